@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+namespace flies {
+
+/// Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011): four random words from a
+/// 128-bit counter and a 64-bit key. A counter-based generator makes the draw of fly i in generation g a pure
+/// function of (seed, g, i), so results do not depend on the number of threads or on the order of evaluation.
+constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter, std::uint64_t key) {
+  auto key0 = static_cast<std::uint32_t>(key);
+  auto key1 = static_cast<std::uint32_t>(key >> 32);
+  for (int round = 0; round < 10; ++round) {
+    const std::uint64_t product0 = 0xD2511F53ull * counter[0];
+    const std::uint64_t product1 = 0xCD9E8D57ull * counter[2];
+    counter = {static_cast<std::uint32_t>(product1 >> 32) ^ counter[1] ^ key0, static_cast<std::uint32_t>(product1),
+               static_cast<std::uint32_t>(product0 >> 32) ^ counter[3] ^ key1, static_cast<std::uint32_t>(product0)};
+    key0 += 0x9E3779B9u;
+    key1 += 0xBB67AE85u;
+  }
+  return counter;
+}
+
+/// The random numbers of one fly in one generation for one purpose: a short private stream.
+class FlyRandom {
+ public:
+  /// `purpose` keeps streams of different operators apart (see evolve); `frame` those of different pairs.
+  FlyRandom(std::uint64_t seed, std::uint32_t purpose, std::uint32_t generation, std::uint32_t fly)
+      : seed_(seed), counter_{fly, generation, purpose, 0} {}
+
+  std::uint32_t bits() {
+    if (next_ == 4) {
+      block_ = philox(counter_, seed_);
+      ++counter_[3];
+      next_ = 0;
+    }
+    return block_[next_++];
+  }
+
+  /// Uniform in [0, 1).
+  double uniform() { return bits() * 0x1p-32; }
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+
+  /// Uniform in [0, count), count > 0.
+  std::uint32_t below(std::uint32_t count) {
+    return static_cast<std::uint32_t>((static_cast<std::uint64_t>(bits()) * count) >> 32);
+  }
+
+  /// Standard normal (Box-Muller).
+  double normal() {
+    const double radius = std::sqrt(-2.0 * std::log((bits() + 1.0) * 0x1p-32));
+    return radius * std::cos(2.0 * std::numbers::pi * uniform());
+  }
+
+ private:
+  std::uint64_t seed_;
+  std::array<std::uint32_t, 4> counter_;
+  std::array<std::uint32_t, 4> block_{};
+  unsigned next_ = 4;
+};
+
+}  // namespace flies

@@ -1,0 +1,123 @@
+#include "flies/core/stereo_camera.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "flies/core/error.hpp"
+
+namespace flies {
+namespace {
+
+/// Beyond this the camera does not look along the road and the method's field of detection makes no sense.
+constexpr double kMaxTilt_deg = 45.0;
+
+void require(bool ok, const std::string& source, const char* field, double found, const char* allowed) {
+  if (!ok) throw InputError(source, field, fmt::format("found {:.6g}, expected {}", found, allowed));
+}
+
+}  // namespace
+
+void check_camera(const StereoCamera& camera, const std::string& source) {
+  const auto require_positive = [&](double value, const char* field) {
+    require(std::isfinite(value) && value > 0.0, source, field, value, "a positive finite number");
+  };
+  const auto require_finite = [&](double value, const char* field) {
+    require(std::isfinite(value), source, field, value, "a finite number");
+  };
+  require_positive(camera.fx_px, "fx_px (focal length)");
+  require_positive(camera.fy_px, "fy_px (focal length)");
+  require_finite(camera.cx_px, "cx_px (principal point)");
+  require_finite(camera.cx_right_px, "cx_right_px (principal point of the right image)");
+  require_finite(camera.cy_px, "cy_px (principal point)");
+  require(std::isfinite(camera.baseline_m) && camera.baseline_m > 0.0, source, "baseline_m", camera.baseline_m,
+          "a positive finite number (a negative baseline means that left and right are swapped)");
+  require_positive(camera.mount.height_m, "height_m (camera height)");
+  const auto require_tilt = [&](double tilt_rad, const char* field) {
+    require(std::isfinite(tilt_rad) && std::abs(degrees(tilt_rad)) <= kMaxTilt_deg, source, field, degrees(tilt_rad),
+            "-45 to 45 degrees");
+  };
+  require_tilt(camera.mount.pitch_rad, "pitch_deg (camera pitch)");
+  require_tilt(camera.mount.roll_rad, "roll_deg (camera roll)");
+  if (camera.width_px > 0 && camera.height_px > 0) {
+    const auto require_near = [&](double value, int size_px, const char* field) {
+      require(value >= -size_px && value <= 2.0 * size_px, source, field, value,
+              "a value within one image size of the image");
+    };
+    require_near(camera.cx_px, camera.width_px, "cx_px (principal point)");
+    require_near(camera.cx_right_px, camera.width_px, "cx_right_px (principal point of the right image)");
+    require_near(camera.cy_px, camera.height_px, "cy_px (principal point)");
+  }
+}
+
+void check_camera_fits(const StereoCamera& camera, int width_px, int height_px, const std::string& source) {
+  if (camera.width_px > 0 && camera.height_px > 0) {
+    if (camera.width_px != width_px || camera.height_px != height_px)
+      throw InputError(source, "image size",
+                       fmt::format("the calibration is for {} x {} px, the images have {} x {} px", camera.width_px,
+                                   camera.height_px, width_px, height_px));
+    return;
+  }
+  // A file without a size still betrays itself: the principal point of a real camera lies well inside its image.
+  const auto require_inside = [&](double centre_px, int size_px, const char* field) {
+    if (centre_px < 0.0 || centre_px > size_px)
+      throw InputError(source, field,
+                       fmt::format("found {:.1f}, outside the images of {} x {} px: the calibration is for images of "
+                                   "another size",
+                                   centre_px, width_px, height_px));
+  };
+  require_inside(camera.cx_px, width_px, "cx_px (principal point)");
+  require_inside(camera.cy_px, height_px, "cy_px (principal point)");
+}
+
+Projection::Projection(const StereoCamera& camera)
+    : fx_px_(camera.fx_px),
+      fy_px_(camera.fy_px),
+      cx_px_(camera.cx_px),
+      cy_px_(camera.cy_px),
+      baseline_m_(camera.baseline_m),
+      disparity_offset_px_(camera.cx_px - camera.cx_right_px),
+      height_m_(camera.mount.height_m) {
+  // vehicle_from_camera = Ry(pitch) * Rx(roll): both right-handed about the vehicle's y (left) and x (forward) axes,
+  // so that a positive pitch turns the optical axis down and a positive roll raises the left side.
+  const double cp = std::cos(camera.mount.pitch_rad), sp = std::sin(camera.mount.pitch_rad);
+  const double cr = std::cos(camera.mount.roll_rad), sr = std::sin(camera.mount.roll_rad);
+  camera_from_vehicle_ = {{{cp, 0.0, -sp}, {sp * sr, cr, cp * sr}, {sp * cr, -sr, cp * cr}}};
+}
+
+double Projection::depth_m(const Point3& p) const {
+  const auto& forward = camera_from_vehicle_[0];
+  return forward[0] * p.x_m + forward[1] * p.y_m + forward[2] * (p.z_m - height_m_);
+}
+
+StereoPoint Projection::project(const Point3& p) const {
+  const double z_m = p.z_m - height_m_;
+  const auto& [forward, left, up] = camera_from_vehicle_;
+  const double depth = forward[0] * p.x_m + forward[1] * p.y_m + forward[2] * z_m;
+  const double left_m = left[0] * p.x_m + left[1] * p.y_m + left[2] * z_m;
+  const double up_m = up[0] * p.x_m + up[1] * p.y_m + up[2] * z_m;
+  return {cx_px_ - fx_px_ * left_m / depth, cy_px_ - fy_px_ * up_m / depth, disparity_at_depth(depth)};
+}
+
+Point3 Projection::triangulate(const StereoPoint& point) const {
+  const double depth = depth_at_disparity(point.disparity_px);
+  const double left_m = (cx_px_ - point.u_px) / fx_px_ * depth;
+  const double up_m = (cy_px_ - point.v_px) / fy_px_ * depth;
+  const auto& m = camera_from_vehicle_;
+  return {m[0][0] * depth + m[1][0] * left_m + m[2][0] * up_m, m[0][1] * depth + m[1][1] * left_m + m[2][1] * up_m,
+          m[0][2] * depth + m[1][2] * left_m + m[2][2] * up_m + height_m_};
+}
+
+Point3 Projection::meet_plane(double u_px, double v_px, double plane_z_m) const {
+  const double left = (cx_px_ - u_px) / fx_px_;
+  const double up = (cy_px_ - v_px) / fy_px_;
+  const auto& m = camera_from_vehicle_;
+  const double x = m[0][0] + m[1][0] * left + m[2][0] * up;
+  const double y = m[0][1] + m[1][1] * left + m[2][1] * up;
+  const double z = m[0][2] + m[1][2] * left + m[2][2] * up;
+  const double scale = (plane_z_m - height_m_) / z;
+  if (!(scale > 0.0) || !std::isfinite(scale)) return {};
+  return {x * scale, y * scale, plane_z_m};
+}
+
+}  // namespace flies

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <numbers>
+#include <string>
+
+namespace flies {
+
+constexpr double radians(double deg) { return deg * std::numbers::pi / 180.0; }
+constexpr double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
+
+/// Where the left camera sits against the ground.
+struct CameraMount {
+  double height_m = 1.65;  ///< of the optical centre above the ground, > 0
+  double pitch_rad = 0.0;  ///< positive: the camera looks down
+  double roll_rad = 0.0;   ///< positive: the camera's left side is raised (it leans to the right)
+};
+
+/// A rectified stereo camera: two ideal pinholes with parallel axes, the right one displaced by the baseline.
+struct StereoCamera {
+  double fx_px = 0.0;
+  double fy_px = 0.0;
+  double cx_px = 0.0;        ///< principal point of the left image
+  double cx_right_px = 0.0;  ///< principal point of the right image; differs from `cx_px` in some data sets
+  double cy_px = 0.0;        ///< shared by both images
+  double baseline_m = 0.0;   ///< > 0, the right camera lies to the right of the left one
+  int width_px = 0;          ///< of the images this calibration belongs to; 0 when the file does not say
+  int height_px = 0;
+  CameraMount mount;
+};
+
+/// Checks that all numbers are finite and in their range (focal lengths, baseline and height positive, pitch and
+/// roll within 45 degrees, principal point within one image size of the image).
+/// @throws InputError naming `source` and the field
+void check_camera(const StereoCamera& camera, const std::string& source);
+
+/// Checks that the calibration fits images of this size.
+/// @throws InputError naming `source` and both sizes
+void check_camera_fits(const StereoCamera& camera, int width_px, int height_px, const std::string& source);
+
+/// A point in the vehicle frame (ISO 8855): x forward, y left, z up, metres, origin on the ground below the left
+/// camera. The nominal ground is z = 0.
+struct Point3 {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double z_m = 0.0;
+};
+
+/// A point seen by both cameras: (u, v) in the left image, (u - disparity, v) in the right one.
+struct StereoPoint {
+  double u_px = 0.0;
+  double v_px = 0.0;
+  double disparity_px = 0.0;  ///< u_left - u_right, > 0 for points before infinity when both cx are equal
+};
+
+/// Projection between the vehicle frame and the two images (METHOD section "Frames and projection", with pitch and
+/// roll added). Built once for a camera; cheap to copy.
+class Projection {
+ public:
+  explicit Projection(const StereoCamera& camera);
+
+  /// Projects a point into both images. The depth along the optical axis must be positive: check with `depth_m`.
+  StereoPoint project(const Point3& point_in_vehicle) const;
+
+  /// Depth along the left camera's optical axis, metres; not positive behind the camera.
+  double depth_m(const Point3& point_in_vehicle) const;
+
+  /// The inverse of `project`. The disparity must exceed that of infinity (`cx_px - cx_right_px`).
+  Point3 triangulate(const StereoPoint& point) const;
+
+  /// Meets the ray through left pixel (u, v) with the horizontal plane z = `plane_z_m` ahead of the camera.
+  /// @returns a point with `x_m` <= 0 when the ray does not meet the plane ahead
+  Point3 meet_plane(double u_px, double v_px, double plane_z_m) const;
+
+  double disparity_at_depth(double depth_m) const { return fx_px_ * baseline_m_ / depth_m + disparity_offset_px_; }
+  double depth_at_disparity(double disparity_px) const {
+    return fx_px_ * baseline_m_ / (disparity_px - disparity_offset_px_);
+  }
+  double fx_px() const { return fx_px_; }
+
+ private:
+  double fx_px_, fy_px_, cx_px_, cy_px_;
+  double baseline_m_;
+  double disparity_offset_px_;  ///< disparity of a point at infinity
+  double height_m_;
+  /// Rows: the camera's forward, left and up axes written in the vehicle frame.
+  std::array<std::array<double, 3>, 3> camera_from_vehicle_;
+};
+
+}  // namespace flies

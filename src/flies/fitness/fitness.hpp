@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "flies/core/fly.hpp"
+#include "flies/core/gray_view.hpp"
+#include "flies/core/options.hpp"
+#include "flies/core/stereo_camera.hpp"
+
+namespace flies {
+
+/// How well the neighbourhoods of a fly's two projections agree.
+enum class FitnessFunction {
+  louchet,      ///< Eq. (1): gradient norm over summed squared differences
+  covariance,   ///< Eq. (2): sum over rows of covariance times agreement of the row means
+  correlation,  ///< bounded: a power of the row-centred correlation coefficient times the root of the covariance
+};
+template <>
+struct EnumNames<FitnessFunction> {
+  static constexpr std::array<std::string_view, 3> names = {"louchet", "covariance", "correlation"};
+};
+
+/// Where between the pixels the neighbourhoods are read.
+enum class PatchSampling {
+  nearest,   ///< both projections rounded to whole pixels, as the paper's integer neighbourhoods suggest
+  subpixel,  ///< left projection rounded, the right patch interpolated at the exact disparity
+};
+template <>
+struct EnumNames<PatchSampling> {
+  static constexpr std::array<std::string_view, 2> names = {"nearest", "subpixel"};
+};
+
+struct FitnessOptions {
+  FitnessFunction function = FitnessFunction::correlation;
+  PatchSampling sampling = PatchSampling::subpixel;
+  int half_width_px = 6;         ///< uSz: the patch has 2 uSz + 1 columns
+  int half_height_px = 9;        ///< vSz: the patch has 2 vSz + 1 rows
+  double louchet_constant = 100.0;
+  double correlation_power = 8.0;
+  double noise_gray = 2.0;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("function", self.function, "louchet: Eq. (1); covariance: Eq. (2); correlation: bounded similarity");
+    field("sampling", self.sampling, "nearest: whole pixels; subpixel: right patch interpolated along its row");
+    field("half_width_px", self.half_width_px, Range{1, 12}, "uSz, columns to each side of the projection");
+    field("half_height_px", self.half_height_px, Range{1, 16}, "vSz, rows above and below the projection");
+    field("louchet_constant", self.louchet_constant, Range{1e-6, 1e9},
+          "added to the summed squared differences of Eq. (1), squared grey levels");
+    field("correlation_power", self.correlation_power, Range{1, 32},
+          "power of the correlation coefficient (function correlation)");
+    field("noise_gray", self.noise_gray, Range{0, 64},
+          "standard deviation of image noise, grey levels; lowers the correlation of flat patches");
+  }
+};
+
+/// Scores every fly against the pair.
+/// @param pair    rectified pair of the size that `camera` was calibrated for
+/// @param flies   positions in the vehicle frame; their present fitness is not read
+/// @param fitness one value per fly, >= 0; 0 for a fly behind the camera, a position that is not finite, or a
+///                neighbourhood that leaves either image. Must have `flies.size()` elements.
+/// Threads: runs on oneTBB's current arena; results do not depend on the number of threads.
+void score_flies(const RectifiedPair& pair, const Projection& projection, const FitnessOptions& options,
+                 const Population& flies, std::span<float> fitness);
+
+/// Scores one pair of neighbourhoods given by image coordinates; the kernel behind `score_flies`.
+float score_point(const RectifiedPair& pair, const FitnessOptions& options, const StereoPoint& point);
+
+}  // namespace flies

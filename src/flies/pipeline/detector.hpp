@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "flies/classify/classify.hpp"
+#include "flies/concentrate/concentrate.hpp"
+#include "flies/core/fly.hpp"
+#include "flies/core/gray_view.hpp"
+#include "flies/core/options.hpp"
+#include "flies/core/results.hpp"
+#include "flies/core/road.hpp"
+#include "flies/core/stereo_camera.hpp"
+#include "flies/evolve/evolve.hpp"
+#include "flies/fitness/fitness.hpp"
+#include "flies/propose/propose.hpp"
+#include "flies/road/road.hpp"
+
+namespace flies {
+
+/// All options of the method, nested like the calls. `DetectorOptions{}` is the preset `default`.
+struct DetectorOptions {
+  std::uint64_t seed = 1;
+  int threads = 1;
+  FitnessOptions fitness;
+  EvolveOptions evolve;
+  RoadOptions road;
+  ConcentrateOptions concentrate;
+  ProposeOptions propose;
+  ClassifyOptions classify;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("seed", self.seed, "seed of all random numbers; same input, seed and options give the same result");
+    field("threads", self.threads, Range{0, 256}, "worker threads, 0 for one per core; results do not depend on it");
+    field("fitness", self.fitness);
+    field("evolve", self.evolve);
+    field("road", self.road);
+    field("concentrate", self.concentrate);
+    field("propose", self.propose);
+    field("classify", self.classify);
+  }
+};
+
+/// Named sets of options: values, not code paths.
+enum class Preset {
+  standard,  ///< "default": what works best
+  paper,     ///< Li, Toulminet, Nashashibi 2010 as closely as the text lets us
+};
+template <>
+struct EnumNames<Preset> {
+  static constexpr std::array<std::string_view, 2> names = {"default", "paper"};
+};
+DetectorOptions preset_options(Preset preset);
+
+/// What was found in one pair, and every intermediate result on the way there.
+struct Detection {
+  std::vector<Obstacle> obstacles;      ///< nearest first
+  std::vector<Pedestrian> pedestrians;  ///< nearest first
+  StageTimes_ms stage_ms{};
+
+  Population flies;               ///< after the last generation, scored
+  RoadPlane road;
+  ConcentrateResult concentrate;  ///< its `obstacles` are those above
+  std::vector<Roi> rois;
+  std::vector<double> roi_scores;  ///< of the classifier, one per ROI
+};
+
+/// Finds obstacles and pedestrians in rectified pairs of one camera. Keeps the obstacles of the last pair to steer
+/// the flies of the next one; otherwise without state.
+class Detector {
+ public:
+  /// @throws InputError when the camera or an option is out of range
+  explicit Detector(const StereoCamera& camera, const DetectorOptions& options = {},
+                    PeopleModel model = builtin_people_model());
+
+  /// @param pair of the size the camera was calibrated for
+  /// @throws InputError when the images are empty, differ in size or do not fit the camera
+  Detection process(const RectifiedPair& pair);
+
+  const StereoCamera& camera() const { return camera_; }
+  const DetectorOptions& options() const { return options_; }
+
+ private:
+  StereoCamera camera_;
+  Projection projection_;
+  DetectorOptions options_;
+  PeopleModel model_;
+  std::vector<Obstacle> last_obstacles_;
+  std::uint32_t frame_ = 0;
+};
+
+}  // namespace flies
