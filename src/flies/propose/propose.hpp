@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "flies/core/options.hpp"
@@ -13,12 +14,65 @@ namespace flies {
 /// A region of interest: where in the left image a person of this height would stand at this place.
 /// The box has the detector's aspect 1:2 with its margin around the person (METHOD section 5).
 struct Roi {
-  ImageBox window;             ///< what the classifier looks at, aspect 48:96; may reach beyond the image
-  ImageBox person;             ///< head to feet inside the window
-  double x_m = 0.0;            ///< foot point on the road, vehicle frame
+  ImageBox window;   ///< what the classifier looks at, aspect 48:96; may reach beyond the image
+  ImageBox person;   ///< head to feet inside the window
+  double x_m = 0.0;  ///< foot point on the road, vehicle frame
   double y_m = 0.0;
-  double height_m = 0.0;       ///< assumed height of the person
-  std::size_t obstacle = 0;    ///< index of the obstacle it was proposed for
+  double height_m = 0.0;     ///< assumed height of the person
+  std::size_t obstacle = 0;  ///< index of the obstacle it was proposed for
 };
+
+struct ProposeOptions {
+  double min_height_m = 1.0;
+  double max_height_m = 2.1;
+  int heights = 6;
+  double lateral_step_m = 0.2;
+  double lateral_margin_m = 0.2;
+  double max_lateral_m = 1.0;
+  int vertical_shifts = 1;
+  double vertical_step = 0.06;
+  double person_share = 0.75;
+  double min_person_px = 40.0;
+  double min_obstacle_height_m = 0.6;
+  double merge_step = 0.03;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("min_height_m", self.min_height_m, Range{0.3, 3.0}, "smallest person looked for");
+    field("max_height_m", self.max_height_m, Range{0.3, 3.0}, "tallest person looked for");
+    field("heights", self.heights, Range{1, 32}, "heights tried from the smallest to the tallest, in equal ratios");
+    field("lateral_step_m", self.lateral_step_m, Range{0.02, 2.0}, "distance between boxes across the line of sight");
+    field("lateral_margin_m", self.lateral_margin_m, Range{0.0, 2.0},
+          "how far beyond the obstacle's edges boxes are placed, for a person beside a wider obstacle");
+    field("max_lateral_m", self.max_lateral_m, Range{0.0, 10.0},
+          "how far from the obstacle's middle boxes are placed at most");
+    field("vertical_shifts", self.vertical_shifts, Range{0, 8},
+          "boxes above, and as many below, the one that stands on the road: range and road are uncertain");
+    field("vertical_step", self.vertical_step, Range{0.0, 0.5}, "distance between those, in heights of the person");
+    field("person_share", self.person_share, Range{0.3, 1.0},
+          "height of the person over height of the window, as the classifier was trained");
+    field("min_person_px", self.min_person_px, Range{8.0, 1000.0},
+          "persons lower than this in the image are not looked for");
+    field("min_obstacle_height_m", self.min_obstacle_height_m, Range{0.0, 3.0},
+          "an obstacle lower than this is no person; lenient, for measured heights are noisy");
+    field("merge_step", self.merge_step, Range{0.0, 0.5},
+          "of two windows that agree to about this share of their height only the first is kept; 0 keeps all");
+  }
+};
+
+/// Proposes where to look for people: around every obstacle that may be one, boxes of a few heights with the feet on
+/// the road at the obstacle's range, side by side across its width, and a little above and below (METHOD section 5).
+/// @param obstacles       in the vehicle frame; entries that are not finite or lie behind the camera give no box
+/// @param projection      of the camera; boxes are in its left image
+/// @param road            what the feet stand on
+/// @param image_width_px  size of the left image; a person wholly outside it gives no box
+/// @param image_height_px
+/// @returns in the order of the obstacles; at most `max_rois_per_obstacle(options)` for each
+/// @throws InputError when `min_height_m` exceeds `max_height_m`
+std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Projection& projection, const RoadPlane& road,
+                              int image_width_px, int image_height_px, const ProposeOptions& options);
+
+/// The most boxes `propose_rois` makes for one obstacle.
+std::size_t max_rois_per_obstacle(const ProposeOptions& options);
 
 }  // namespace flies

@@ -1,0 +1,128 @@
+#include "flies/propose/propose.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "flies/core/error.hpp"
+
+namespace flies {
+namespace {
+
+/// Width over height of the window (METHOD section 5: 48 x 96).
+constexpr double kWindowAspect = 0.5;
+/// Closer to the camera than this no person fits into any image.
+constexpr double kMinDepth_m = 0.5;
+
+std::vector<double> person_heights(const ProposeOptions& options) {
+  if (options.heights == 1) return {std::sqrt(options.min_height_m * options.max_height_m)};
+  std::vector<double> heights_m;
+  for (int i = 0; i < options.heights; ++i)
+    heights_m.push_back(options.min_height_m *
+                        std::pow(options.max_height_m / options.min_height_m, i / (options.heights - 1.0)));
+  return heights_m;
+}
+
+/// 0, 1, -1, 2, -2, ..., -count: the best guess first, for of two like boxes the first is kept.
+std::vector<int> alternating(int count) {
+  std::vector<int> steps{0};
+  for (int i = 1; i <= count; ++i) steps.insert(steps.end(), {i, -i});
+  return steps;
+}
+
+int lateral_steps(double width_m, const ProposeOptions& options) {
+  const double reach_m = std::min(std::max(width_m, 0.0) / 2.0 + options.lateral_margin_m, options.max_lateral_m);
+  return static_cast<int>(std::floor(reach_m / options.lateral_step_m + 1e-9));
+}
+
+bool may_be_person(const Obstacle& obstacle, const Projection& projection, const ProposeOptions& options) {
+  const bool finite = std::isfinite(obstacle.x_m) && std::isfinite(obstacle.y_m) && std::isfinite(obstacle.width_m);
+  return finite && obstacle.height_m >= options.min_obstacle_height_m &&
+         projection.depth_m({obstacle.x_m, obstacle.y_m, obstacle.ground_z_m}) >= kMinDepth_m;
+}
+
+/// The upright person of this height at this place.
+Roi roi_at(const Point3& feet, double height_m, const Projection& projection, double person_share) {
+  const StereoPoint foot = projection.project(feet);
+  const StereoPoint head = projection.project({feet.x_m, feet.y_m, feet.z_m + height_m});
+  const double person_px = foot.v_px - head.v_px;
+  const double window_px = person_px / person_share;
+  const double centre_u_px = (foot.u_px + head.u_px) / 2.0, centre_v_px = (foot.v_px + head.v_px) / 2.0;
+  const auto box_about_centre = [&](double tall_px) {
+    const double wide_px = tall_px * kWindowAspect;
+    return ImageBox{centre_u_px - wide_px / 2.0, centre_v_px - tall_px / 2.0, wide_px, tall_px};
+  };
+  return {box_about_centre(window_px), box_about_centre(person_px), feet.x_m, feet.y_m, height_m, 0};
+}
+
+Roi shifted_down(Roi roi, double shift_px) {
+  roi.window.v_px += shift_px;
+  roi.person.v_px += shift_px;
+  return roi;
+}
+
+bool touches_image(const ImageBox& box, int width_px, int height_px) {
+  return box.u_px < width_px && box.v_px < height_px && box.u_px + box.width_px > 0.0 && box.v_px + box.height_px > 0.0;
+}
+
+/// Windows that agree to about a `merge_step` of their height in place and size share a key.
+std::array<long, 3> merge_key(const ImageBox& window, double merge_step) {
+  // The grid of places belongs to the class of sizes, not to the window, or like windows would not meet.
+  const double size_class = std::round(std::log(window.height_px) / std::log1p(merge_step));
+  const double cell_px = merge_step * std::pow(1.0 + merge_step, size_class);
+  return {std::lround(size_class), std::lround((window.u_px + window.width_px / 2.0) / cell_px),
+          std::lround((window.v_px + window.height_px / 2.0) / cell_px)};
+}
+
+}  // namespace
+
+std::size_t max_rois_per_obstacle(const ProposeOptions& options) {
+  const int laterals = 2 * static_cast<int>(std::floor(options.max_lateral_m / options.lateral_step_m + 1e-9)) + 1;
+  return static_cast<std::size_t>(options.heights) * static_cast<std::size_t>(laterals) *
+         static_cast<std::size_t>(2 * options.vertical_shifts + 1);
+}
+
+std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Projection& projection, const RoadPlane& road,
+                              int image_width_px, int image_height_px, const ProposeOptions& options) {
+  if (options.min_height_m > options.max_height_m)
+    throw InputError("options", "propose.min_height_m",
+                     fmt::format("found {}, expected at most propose.max_height_m, which is {}", options.min_height_m,
+                                 options.max_height_m));
+  const auto heights_m = person_heights(options);
+  std::vector<Roi> rois;
+  std::set<std::array<long, 3>> taken;
+
+  const auto keep = [&](Roi roi, std::size_t obstacle) {
+    if (!touches_image(roi.person, image_width_px, image_height_px)) return;
+    if (options.merge_step > 0.0 && !taken.insert(merge_key(roi.window, options.merge_step)).second) return;
+    roi.obstacle = obstacle;
+    rois.push_back(roi);
+  };
+  const auto propose_at = [&](const Point3& feet, std::size_t obstacle) {
+    if (projection.depth_m(feet) < kMinDepth_m) return;
+    for (const double height_m : heights_m) {
+      const Roi on_road = roi_at(feet, height_m, projection, options.person_share);
+      if (on_road.person.height_px < options.min_person_px) continue;
+      for (const int step : alternating(options.vertical_shifts))
+        keep(shifted_down(on_road, step * options.vertical_step * on_road.person.height_px), obstacle);
+    }
+  };
+
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    const Obstacle& obstacle = obstacles[i];
+    if (!may_be_person(obstacle, projection, options)) continue;
+    const double range_m = std::hypot(obstacle.x_m, obstacle.y_m);
+    for (const int step : alternating(lateral_steps(obstacle.width_m, options))) {
+      const double left_m = step * options.lateral_step_m;  // across the line of sight
+      const double x_m = obstacle.x_m - left_m * obstacle.y_m / range_m;
+      const double y_m = obstacle.y_m + left_m * obstacle.x_m / range_m;
+      propose_at({x_m, y_m, road.z_m(x_m, y_m)}, i);
+    }
+  }
+  return rois;
+}
+
+}  // namespace flies
