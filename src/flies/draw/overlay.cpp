@@ -1,0 +1,87 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+#include "flies/draw/draw.hpp"
+#include "flies/draw/paint.hpp"
+
+namespace flies {
+namespace {
+
+using namespace paint;
+
+constexpr int kStripHeight_px = 34;
+constexpr int kMinWidth_px = 470;
+
+void put_overlay_legend(cv::Mat& canvas, int top) {
+  constexpr int kBarWidth_px = 160;
+  constexpr double kLast_m = 40.0;
+  const int baseline = top + 14;
+  put_text(canvas, "obstacle range", {8, baseline}, kWhite);
+  const cv::Rect bar(122, top + 5, kBarWidth_px, 10);
+  put_color_bar(canvas, bar, [](double fraction) { return range_color(fraction * kLast_m); });
+  for (int range_m = 0; range_m <= 40; range_m += 10) {
+    const int u = bar.x + static_cast<int>(range_m / kLast_m * kBarWidth_px);
+    cv::line(canvas, {u, bar.br().y}, {u, bar.br().y + 3}, kGray);
+    put_centred_text(canvas, range_m == 40 ? "40 m" : fmt::format("{}", range_m), {u, top + 30}, kWhite, 0.36);
+  }
+  cv::rectangle(canvas, cv::Rect(320, top + 4, 9, 18), kPedestrianColor, 2);
+  put_text(canvas, "pedestrian, range", {338, baseline + 3}, kWhite);
+}
+
+cv::Rect image_area(const cv::Mat& left) { return {0, 0, left.cols, left.rows}; }
+
+}  // namespace
+
+cv::Mat draw_overlay(const cv::Mat& left, const std::vector<Obstacle>& obstacles,
+                     const std::vector<Pedestrian>& pedestrians) {
+  cv::Mat canvas = with_strip(left, kStripHeight_px, kMinWidth_px);
+  cv::Mat image = canvas(image_area(left));
+  if (!image.empty()) {
+    for (auto obstacle = obstacles.rbegin(); obstacle != obstacles.rend(); ++obstacle)
+      cv::rectangle(image, pixel_rect(obstacle->box), range_color(obstacle->range_m), 1);
+    for (const auto& pedestrian : pedestrians) cv::rectangle(image, pixel_rect(pedestrian.box), kPedestrianColor, 2);
+
+    // The labels that matter most choose their place first.
+    LabelPlacer labels(image_area(left));
+    for (const auto& pedestrian : pedestrians)
+      labels.put(image, fmt::format("{:.1f} m", pedestrian.range_m), pixel_rect(pedestrian.box), {255, 170, 255});
+    for (const auto& obstacle : obstacles)
+      labels.put(image, fmt::format("{:.1f} m", obstacle.range_m), pixel_rect(obstacle.box),
+                 range_color(obstacle.range_m));
+  }
+  put_overlay_legend(canvas, left.rows);
+  return canvas;
+}
+
+cv::Mat draw_concentrating(const cv::Mat& left, const ConcentrateResult& result, const std::vector<Roi>& rois) {
+  cv::Mat canvas = with_strip(left, kStripHeight_px, kMinWidth_px);
+  cv::Mat image = canvas(image_area(left));
+  const cv::Scalar window_color{255, 200, 0};
+  if (!image.empty()) {
+    for (const auto& roi : rois) cv::rectangle(image, pixel_rect(roi.window), window_color, 1);
+    for (const auto& point : result.shifted) {
+      cv::circle(image, pixel(point.start.u_px, point.start.v_px), 5, kBlack, 2, cv::LINE_AA);
+      cv::circle(image, pixel(point.start.u_px, point.start.v_px), 5, kGreen, 1, cv::LINE_AA);
+    }
+    for (const auto& candidate : result.candidates) {
+      const cv::Point at = pixel(candidate.pixel.u_px, candidate.pixel.v_px);
+      if (candidate.kept) cv::drawMarker(image, at, kBlack, cv::MARKER_TILTED_CROSS, 14, 4);
+      cv::drawMarker(image, at, candidate.kept ? kRed : kGray, cv::MARKER_TILTED_CROSS, candidate.kept ? 13 : 7,
+                     candidate.kept ? 2 : 1);
+    }
+  }
+  const int middle = left.rows + kStripHeight_px / 2;
+  cv::circle(canvas, {14, middle}, 5, kGreen, 1, cv::LINE_AA);
+  put_text(canvas, "sample point", {24, middle + 4}, kWhite);
+  cv::drawMarker(canvas, {132, middle}, kRed, cv::MARKER_TILTED_CROSS, 13, 2);
+  put_text(canvas, "object kept", {144, middle + 4}, kWhite);
+  cv::drawMarker(canvas, {242, middle}, kGray, cv::MARKER_TILTED_CROSS, 7, 1);
+  put_text(canvas, "discarded", {251, middle + 4}, kWhite);
+  cv::rectangle(canvas, cv::Rect(336, middle - 9, 9, 18), window_color, 1);
+  put_text(canvas, "box to classify", {352, middle + 4}, kWhite);
+  return canvas;
+}
+
+}  // namespace flies
