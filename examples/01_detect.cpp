@@ -1,0 +1,48 @@
+// 01: one call. Reads a stereo pair and its calibration, and prints what stands on the road.
+//
+//   01_detect LEFT RIGHT CALIB      e.g. left.png right.png calib.txt
+//
+// 02_stages.cpp takes the call apart, 03_own_options.cpp changes its settings.
+#include <cstdio>
+
+#include "flies/core/error.hpp"
+#include "flies/io/calibration.hpp"
+#include "flies/io/images.hpp"
+#include "flies/pipeline/detector.hpp"
+
+int main(int argc, char** argv) {
+  if (argc != 4) {
+    std::fprintf(stderr, "usage: %s LEFT RIGHT CALIB\n", argv[0]);
+    return 2;
+  }
+  try {
+    // Images are 8-bit grey from here on. The calibration is told their size, for not every format states it.
+    flies::GrayPair images = flies::load_pair(argv[1], argv[2]);
+    flies::CalibrationRequest request;
+    request.cameras = flies::kitti_cameras_from_paths(argv[1], argv[2]);
+    request.width_px = images.left.width_px;
+    request.height_px = images.left.height_px;
+    const flies::Calibration calibration = flies::load_calibration(argv[3], request);
+    if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+
+    // The detector belongs to a camera. It may be kept for a whole sequence: one `process` per pair.
+    flies::Detector detector(calibration.camera);
+    const flies::Detection detection = detector.process(images.view());
+
+    // Positions are metres in the vehicle frame: x forward, y left, origin on the road below the left camera.
+    for (const auto& obstacle : detection.obstacles) {
+      std::printf("obstacle   at %5.1f m ahead, %5.1f m to the left, %.1f m wide, %.1f m tall\n", obstacle.x_m,
+                  obstacle.y_m, obstacle.width_m, obstacle.height_m);
+    }
+    for (const auto& person : detection.pedestrians) {
+      std::printf("pedestrian at %5.1f m ahead, %5.1f m to the left, %.1f m tall\n", person.x_m, person.y_m,
+                  person.height_m);
+    }
+    std::printf("%zu obstacles, %zu pedestrians\n", detection.obstacles.size(), detection.pedestrians.size());
+    return 0;
+  } catch (const flies::InputError& error) {
+    // Everything that can be wrong with the user's files arrives here as one line.
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
+}

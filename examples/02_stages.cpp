@@ -1,0 +1,77 @@
+// 02: stage by stage. The same result as 01_detect, by the free functions that `Detector::process` calls. Use them to
+// stop half way, to replace a stage by your own, or to look at what lies between.
+//
+//   02_stages LEFT RIGHT CALIB
+#include <algorithm>
+#include <cstdio>
+
+#include "flies/core/error.hpp"
+#include "flies/io/calibration.hpp"
+#include "flies/io/images.hpp"
+#include "flies/pipeline/detector.hpp"
+
+namespace {
+
+void run(const flies::GrayPair& images, const flies::StereoCamera& camera) {
+  // The options are nested like the calls below; these are the values of the preset `default`.
+  const flies::DetectorOptions options;
+  const flies::RectifiedPair pair = images.view();
+  const flies::Projection projection(camera);
+
+  // 1. Where is the road? Calibrations know the camera's height and tilt only roughly.
+  const flies::RoadResult road = flies::estimate_road(pair, projection, options.road);
+  std::printf("road: %s, %.2f m at the car, rises %.1f %%\n", road.found ? "fitted" : "nominal", road.plane.height_m,
+              100 * road.plane.slope);
+
+  // 2. Flies: points in space that score high where both images show the same thing. They are random, and the same
+  //    for the same seed and frame.
+  const flies::EvolveResult evolved = flies::evolve(pair, projection, road.plane, options.field, options.fitness,
+                                                    options.evolve, {.seed = options.seed, .frame = 0});
+  const flies::Population& population = evolved.flies;
+  const auto scored =
+      std::count_if(population.fitness.begin(), population.fitness.end(), [](float f) { return f > 0; });
+  std::printf("evolve: %zu flies, %td with fitness, %zu evaluations\n", population.size(), scored, evolved.evaluations);
+
+  // 3. Concentrating: from many flies to few obstacles. Every step on the way is part of the result.
+  const flies::ConcentrateResult concentrated =
+      flies::concentrate(population, projection, road.plane, options.field, options.concentrate);
+  std::printf("concentrate: %zu view-angles, %zu shifted points, %zu candidates, %zu obstacles\n",
+              concentrated.view_angles.size(), concentrated.shifted.size(), concentrated.candidates.size(),
+              concentrated.obstacles.size());
+
+  // 4. Where would a person be, if the obstacle were one? Boxes with the feet on the road, of several heights.
+  const auto rois = flies::propose_rois(concentrated.obstacles, projection, road.plane, pair.left.width_px,
+                                        pair.left.height_px, options.propose);
+  std::printf("propose: %zu boxes\n", rois.size());
+
+  // 5. The classifier scores the boxes; of boxes that show the same person the surest is kept.
+  const flies::PeopleModel model = flies::builtin_people_model();
+  const auto scores = flies::score_rois(pair.left, rois, model);
+  const auto pedestrians = flies::suppress_in_metres(rois, scores, model, options.classify);
+  std::printf("classify: %zu pedestrians with the model %s\n", pedestrians.size(), model.name.c_str());
+
+  std::printf("%zu obstacles, %zu pedestrians\n", concentrated.obstacles.size(), pedestrians.size());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 4) {
+    std::fprintf(stderr, "usage: %s LEFT RIGHT CALIB\n", argv[0]);
+    return 2;
+  }
+  try {
+    flies::GrayPair images = flies::load_pair(argv[1], argv[2]);
+    flies::CalibrationRequest request;
+    request.cameras = flies::kitti_cameras_from_paths(argv[1], argv[2]);
+    request.width_px = images.left.width_px;
+    request.height_px = images.left.height_px;
+    const flies::Calibration calibration = flies::load_calibration(argv[3], request);
+    if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+    run(images, calibration.camera);
+    return 0;
+  } catch (const flies::InputError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
+}
