@@ -1,0 +1,67 @@
+#include "flies/eval/foot_truth.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "flies/core/error.hpp"
+#include "flies/eval/text.hpp"
+
+namespace flies {
+namespace {
+
+constexpr double kPersonFootprint_m = 0.5;  // shoulder width
+constexpr std::size_t kFields = 10;
+
+}  // namespace
+
+std::vector<FrameTruth> parse_foot_points(std::string_view text, const std::string& source,
+                                          const StereoCamera& camera) {
+  const Projection projection(camera);
+  std::vector<FrameTruth> frames;
+  std::istringstream stream{std::string(text)};
+  int number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    const std::string_view content = detail::trimmed(line);
+    if (content.empty() || content.front() == '#') continue;
+    const std::string field = fmt::format("line {}", number);
+    std::vector<double> values;
+    std::istringstream words{std::string(content)};
+    for (std::string word; std::getline(words, word, ',');) {
+      values.push_back(detail::parse_number(detail::trimmed(word), source, field));
+    }
+    if (values.size() != kFields) {
+      throw InputError(source, field, fmt::format("found {} fields, expected {}", values.size(), kFields));
+    }
+    constexpr double kMostFrames = 1e6;
+    if (!(values[0] >= 1.0 && values[0] <= kMostFrames)) {
+      throw InputError(source, field, fmt::format("found frame {}, expected 1 to {}", values[0], kMostFrames));
+    }
+    if (!(values[9] > 0.0)) throw InputError(source, field, fmt::format("found Z {}, expected > 0", values[9]));
+
+    const auto frame = static_cast<std::size_t>(values[0]) - 1;
+    while (frames.size() <= frame) {
+      FrameTruth empty;
+      empty.frame = static_cast<int>(frames.size());
+      frames.push_back(std::move(empty));
+    }
+    const Point3 foot = vehicle_from_left_camera(camera, projection, {values[7], values[8], values[9]});
+    TruthObject person;
+    person.type = "Pedestrian";
+    person.track = static_cast<int>(values[1]);
+    person.footprint = {foot.x_m, foot.y_m, 0.0, kPersonFootprint_m, kPersonFootprint_m};
+    person.bottom_z_m = foot.z_m;
+    person.height_m = values[5] * values[9] / camera.fy_px;
+    person.visible = values[6] != 0.0;
+    frames[frame].objects.push_back(std::move(person));
+  }
+  return frames;
+}
+
+std::vector<FrameTruth> read_foot_points(const std::filesystem::path& file, const StereoCamera& camera) {
+  return parse_foot_points(detail::read_file(file), file.string(), camera);
+}
+
+}  // namespace flies

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "flies/core/options.hpp"
+#include "flies/core/results.hpp"
+#include "flies/eval/truth.hpp"
+
+namespace flies {
+
+/// When an obstacle and the truth agree (METHOD section 7). Distances are horizontal.
+struct MatchOptions {
+  double radius_m = 0.75;
+  double radius_per_range = 0.05;
+  double min_range_m = 5.0;
+  double max_range_m = 40.0;
+  int min_lidar_points = 3;
+  double min_above_road_m = 0.35;
+  double max_above_road_m = 2.3;
+
+  double radius_at_m(double range_m) const { return radius_m + radius_per_range * range_m; }
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("radius_m", self.radius_m, Range{0, 10}, "an obstacle agrees with truth this near, metres, plus");
+    field("radius_per_range", self.radius_per_range, Range{0, 1}, "this part of its range");
+    field("min_range_m", self.min_range_m, Range{0, 1000}, "nearest labelled objects to be found, metres");
+    field("max_range_m", self.max_range_m, Range{0, 1000}, "farthest labelled objects to be found, metres");
+    field("min_lidar_points", self.min_lidar_points, Range{1, 1000}, "lidar returns that make an obstacle right");
+    field("min_above_road_m", self.min_above_road_m, Range{0, 10}, "lowest lidar return counted, metres over the road");
+    field("max_above_road_m", self.max_above_road_m, Range{0, 10}, "highest one");
+  }
+};
+
+/// What the truth says about one reported obstacle.
+struct ObstacleVerdict {
+  bool right = false;           ///< something stands there: by lidar, or where there is none by any label
+  int object = -1;              ///< index of the labelled object it was reported for, -1 when it is near none
+  double near_range_m = 0.0;    ///< of that object's near face in the obstacle's direction; meaningful with an object
+  double range_error_m = 0.0;   ///< obstacle's range minus `near_range_m`: positive when reported too far
+  double width_error_m = 0.0;   ///< reported minus labelled, across the line of sight
+  double height_error_m = 0.0;  ///< reported minus labelled
+};
+
+/// What was made of one labelled object.
+struct ObjectVerdict {
+  bool counted = false;  ///< visible and in the range that is asked for
+  bool found = false;    ///< an obstacle lies within the matching radius of its footprint
+  int reports = 0;       ///< obstacles reported for it; more than one: duplicates
+};
+
+/// Verdicts of one frame, in the order of its obstacles and of the truth's objects.
+struct FrameScore {
+  std::vector<ObstacleVerdict> obstacles;
+  std::vector<ObjectVerdict> objects;
+  bool has_lidar = false;
+};
+
+/// Scores the obstacles that any detector reported for one pair.
+/// Each obstacle is reported for the one object whose footprint is nearest, if within the radius at its range. The
+/// near face is where the lidar saw it (10th percentile range of its returns close to the obstacle's direction, or
+/// of all its returns), otherwise where the ray meets the labelled box, otherwise the box's nearest point.
+FrameScore score_frame(const FrameTruth& truth, std::span<const Obstacle> obstacles, const MatchOptions& options = {});
+
+/// Pedestrians as obstacles, so that verdicts of a classifier can be scored as well.
+std::vector<Obstacle> as_obstacles(std::span<const Pedestrian> pedestrians);
+
+/// Hits among so many.
+struct Rate {
+  int hits = 0;
+  int total = 0;
+  std::optional<double> value() const {
+    return total == 0 ? std::nullopt : std::optional(static_cast<double>(hits) / total);
+  }
+};
+
+/// Part of the recall: objects of a class or in a band of range.
+struct RecallPart {
+  std::string name;  ///< "Cyclist" or "10-20 m"
+  Rate recall;
+};
+
+/// A labelled object that was not found.
+struct MissedObject {
+  int frame = 0;
+  std::string frame_name;
+  TruthObject object;
+};
+
+/// Accuracy over many frames. Medians are empty where nothing could be measured.
+struct Measures {
+  Rate precision;        ///< obstacles that are right, in frames with lidar
+  Rate label_precision;  ///< obstacles near any label, in frames without: labels leave things out, so a lower bound
+  Rate recall;
+  Rate people_recall;                          ///< people and cyclists, `kPeopleReach_m` at most
+  std::vector<RecallPart> recall_by_class;     ///< in alphabetical order
+  std::vector<RecallPart> recall_by_range;     ///< bands of `kRangeBands_m`
+  std::optional<double> range_error;           ///< median of signed errors of obstacles on counted objects, of range
+  std::optional<double> absolute_range_error;  ///< median of absolute ones, of range
+  std::optional<double> width_error_m;         ///< median, signed
+  std::optional<double> height_error_m;
+  double obstacles_per_frame = 0.0;
+  double reports_per_found_object = 0.0;  ///< 1 when nothing is reported twice
+  std::vector<MissedObject> missed;
+};
+
+inline constexpr std::array<double, 5> kRangeBands_m = {5.0, 10.0, 20.0, 30.0, 40.0};
+inline constexpr double kPeopleReach_m = 30.0;
+
+/// True for the classes of people, on foot or on a cycle.
+bool is_person(const TruthObject& object);
+
+/// Sums the verdicts up. `truths` and `scores` go together, frame by frame.
+Measures summarize(std::span<const FrameTruth> truths, std::span<const FrameScore> scores);
+
+}  // namespace flies

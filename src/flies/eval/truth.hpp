@@ -1,0 +1,58 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "flies/core/stereo_camera.hpp"
+#include "flies/eval/footprint.hpp"
+
+namespace flies {
+
+/// A labelled object of one frame.
+struct TruthObject {
+  std::string type;  ///< as the labels say: "Car", "Van", "Pedestrian", "Cyclist", ...
+  int track = -1;    ///< number of its track or of its line in the label file
+  Footprint footprint;
+  double bottom_z_m = 0.0;
+  double height_m = 0.0;
+  int occlusion = 0;              ///< as labelled: 0 visible, 1 partly, 2 largely, 3 unknown
+  double truncation = 0.0;        ///< labelled fraction outside the image, 0 to 1
+  double in_view_fraction = 1.0;  ///< of its projected box that lies inside the left image
+  int lidar_points = 0;           ///< inside the box and clear of the road
+  bool visible = true;            ///< to be found: enough of it in view and not heavily occluded or truncated
+};
+
+/// A lidar return in the vehicle frame.
+struct LidarPoint {
+  Point3 point;
+  double above_road_m = 0.0;  ///< over the locally fitted road
+};
+
+/// What is known about one pair.
+struct FrameTruth {
+  int frame = 0;
+  std::string name;  ///< file name stem of its left image
+  std::vector<TruthObject> objects;
+  std::vector<LidarPoint> lidar;  ///< empty when there was none
+};
+
+/// A point of the left camera's frame (x right, y down, z forward along the optical axis, > 0) in the vehicle frame.
+Point3 vehicle_from_left_camera(const StereoCamera& camera, const Projection& projection, const Point3& in_camera);
+
+/// Measures every lidar point over the road near it: a plane is fitted to the whole scene from the nominal ground
+/// upwards, then corrected by the low end of the returns in the 1 m cells around the point, so that slopes, kerbs
+/// and crowned roads do not turn into obstacles.
+std::vector<LidarPoint> measure_above_road(std::span<const Point3> points);
+
+/// Fills `in_view_fraction`, and `lidar_points` when there is lidar.
+void measure_visibility(const StereoCamera& camera, FrameTruth& truth);
+
+/// Fraction of the object's projected box that nearer objects of the frame leave free, 0 to 1.
+double free_fraction(const StereoCamera& camera, const FrameTruth& truth, const TruthObject& object);
+
+/// True when the lidar point belongs to the object: inside its box, grown by 0.1 m for label noise, and clear of the
+/// road.
+bool is_on_object(const TruthObject& object, const LidarPoint& lidar);
+
+}  // namespace flies
