@@ -35,8 +35,7 @@ Number parse_number(std::string_view text, Range range, const char* kind, const 
     throw InputError(source, path, fmt::format("found '{}', expected {}", text, kind));
   const auto as_double = static_cast<double>(value);
   if (!std::isfinite(as_double) || as_double < range.min || as_double > range.max)
-    throw InputError(source, path,
-                     fmt::format("found {}, expected {} in {}", text, kind, detail::range_text(range)));
+    throw InputError(source, path, fmt::format("found {}, expected {} in {}", text, kind, detail::range_text(range)));
   return value;
 }
 
@@ -58,11 +57,10 @@ bool parse_bool(std::string_view text, const std::string& path, const std::strin
 }
 
 std::int64_t parse_int(std::string_view text, Range range, const std::string& path, const std::string& source) {
-  return parse_number<std::int64_t>(
-      text,
-      {std::max(range.min, double{std::numeric_limits<int>::min()}),
-       std::min(range.max, double{std::numeric_limits<int>::max()})},
-      "a whole number", path, source);
+  return parse_number<std::int64_t>(text,
+                                    {std::max(range.min, double{std::numeric_limits<int>::min()}),
+                                     std::min(range.max, double{std::numeric_limits<int>::max()})},
+                                    "a whole number", path, source);
 }
 
 std::uint64_t parse_uint64(std::string_view text, const std::string& path, const std::string& source) {

@@ -40,7 +40,9 @@ template <class Enum>
 struct EnumNames;
 
 template <class T>
-concept NamedEnum = std::is_enum_v<T> && requires { EnumNames<T>::names; };
+concept NamedEnum = std::is_enum_v<T> && requires {
+  EnumNames<T>::names;
+};
 
 template <NamedEnum Enum>
 constexpr std::string_view enum_name(Enum value) {

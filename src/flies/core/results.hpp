@@ -16,14 +16,14 @@ struct ImageBox {
 
 /// An object of interest: something that stands on the ground ahead.
 struct Obstacle {
-  double x_m = 0.0;       ///< position in the vehicle frame: forward
-  double y_m = 0.0;       ///< position in the vehicle frame: left
-  double range_m = 0.0;   ///< horizontal distance from the point below the left camera, hypot(x, y)
-  double width_m = 0.0;   ///< seen across the line of sight
-  double height_m = 0.0;  ///< of its top above the road
+  double x_m = 0.0;         ///< position in the vehicle frame: forward
+  double y_m = 0.0;         ///< position in the vehicle frame: left
+  double range_m = 0.0;     ///< horizontal distance from the point below the left camera, hypot(x, y)
+  double width_m = 0.0;     ///< seen across the line of sight
+  double height_m = 0.0;    ///< of its top above the road
   double ground_z_m = 0.0;  ///< height of the road under it in the vehicle frame; 0 on the nominal ground
-  double score = 0.0;     ///< fitness density, > 0; comparable within one set of options
-  ImageBox box;           ///< in the left image
+  double score = 0.0;       ///< fitness density, > 0; comparable within one set of options
+  ImageBox box;             ///< in the left image
 };
 
 /// A person: one verdict of the classifier after non-maximum suppression on the ground.
@@ -37,9 +37,8 @@ struct Pedestrian {
 };
 
 /// The stages of the pipeline in order. Their names key the timings in JSON, the benchmark rows and the docs.
-enum class Stage { evolve, road, concentrate, propose, classify };
-inline constexpr std::array<std::string_view, 5> kStageNames = {"evolve", "road", "concentrate", "propose",
-                                                                "classify"};
+enum class Stage { road, evolve, concentrate, propose, classify };
+inline constexpr std::array<std::string_view, 5> kStageNames = {"road", "evolve", "concentrate", "propose", "classify"};
 inline constexpr std::size_t kStageCount = kStageNames.size();
 
 /// Wall-clock time of each stage in milliseconds, indexed by `Stage`.

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <string>
 
+#include "flies/core/road.hpp"
+
 namespace flies {
 
 constexpr double radians(double deg) { return deg * std::numbers::pi / 180.0; }
@@ -68,15 +70,19 @@ class Projection {
   /// The inverse of `project`. The disparity must exceed that of infinity (`cx_px - cx_right_px`).
   Point3 triangulate(const StereoPoint& point) const;
 
-  /// Meets the ray through left pixel (u, v) with the horizontal plane z = `plane_z_m` ahead of the camera.
-  /// @returns a point with `x_m` <= 0 when the ray does not meet the plane ahead
-  Point3 meet_plane(double u_px, double v_px, double plane_z_m) const;
+  /// Meets the line of sight through left pixel (u, v) with the road ahead.
+  /// @returns a point with `x_m` <= 0 when it does not meet the road in front of the camera
+  Point3 meet_road(double u_px, double v_px, const RoadPlane& road) const;
 
   double disparity_at_depth(double depth_m) const { return fx_px_ * baseline_m_ / depth_m + disparity_offset_px_; }
   double depth_at_disparity(double disparity_px) const {
     return fx_px_ * baseline_m_ / (disparity_px - disparity_offset_px_);
   }
+  /// Disparity of a point at infinity; 0 unless the principal points of the two images differ.
+  double disparity_offset_px() const { return disparity_offset_px_; }
   double fx_px() const { return fx_px_; }
+  double cy_px() const { return cy_px_; }
+  double height_m() const { return height_m_; }  ///< of the camera above the nominal ground
 
  private:
   double fx_px_, fy_px_, cx_px_, cy_px_;

@@ -36,8 +36,8 @@ struct EnumNames<PatchSampling> {
 struct FitnessOptions {
   FitnessFunction function = FitnessFunction::correlation;
   PatchSampling sampling = PatchSampling::subpixel;
-  int half_width_px = 6;         ///< uSz: the patch has 2 uSz + 1 columns
-  int half_height_px = 9;        ///< vSz: the patch has 2 vSz + 1 rows
+  int half_width_px = 6;   ///< uSz: the patch has 2 uSz + 1 columns
+  int half_height_px = 9;  ///< vSz: the patch has 2 vSz + 1 rows
   double louchet_constant = 100.0;
   double correlation_power = 8.0;
   double noise_gray = 2.0;
@@ -57,16 +57,25 @@ struct FitnessOptions {
   }
 };
 
-/// Scores every fly against the pair.
-/// @param pair    rectified pair of the size that `camera` was calibrated for
+/// Scores flies against the pair.
+/// @param pair    rectified pair of the size that `projection` was calibrated for
 /// @param flies   positions in the vehicle frame; their present fitness is not read
-/// @param fitness one value per fly, >= 0; 0 for a fly behind the camera, a position that is not finite, or a
-///                neighbourhood that leaves either image. Must have `flies.size()` elements.
-/// Threads: runs on oneTBB's current arena; results do not depend on the number of threads.
+/// @param first   index of the first fly to score
+/// @param fitness of the flies `first`, `first` + 1, ...: >= 0; 0 for a fly behind the camera, a position that is not
+///                finite, or a neighbourhood that leaves either image. `first + fitness.size()` <= `flies.size()`.
+/// Runs on oneTBB's current arena; results do not depend on the number of threads.
 void score_flies(const RectifiedPair& pair, const Projection& projection, const FitnessOptions& options,
-                 const Population& flies, std::span<float> fitness);
+                 const Population& flies, std::size_t first, std::span<float> fitness);
+
+/// Scores all flies. @returns one fitness per fly
+std::vector<float> score_flies(const RectifiedPair& pair, const Projection& projection, const FitnessOptions& options,
+                               const Population& flies);
 
 /// Scores one pair of neighbourhoods given by image coordinates; the kernel behind `score_flies`.
 float score_point(const RectifiedPair& pair, const FitnessOptions& options, const StereoPoint& point);
+
+/// Correlation coefficient of the two row-centred neighbourhoods, lowered by the noise floor of the options; -1..1,
+/// and 0 where `score_point` would be 0 for want of pixels. How alike two places look, whatever their contrast.
+double correlate_point(const RectifiedPair& pair, const FitnessOptions& options, const StereoPoint& point);
 
 }  // namespace flies

@@ -7,11 +7,11 @@
 
 #include "flies/classify/classify.hpp"
 #include "flies/concentrate/concentrate.hpp"
+#include "flies/core/field.hpp"
 #include "flies/core/fly.hpp"
 #include "flies/core/gray_view.hpp"
 #include "flies/core/options.hpp"
 #include "flies/core/results.hpp"
-#include "flies/core/road.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/evolve/evolve.hpp"
 #include "flies/fitness/fitness.hpp"
@@ -24,23 +24,25 @@ namespace flies {
 struct DetectorOptions {
   std::uint64_t seed = 1;
   int threads = 1;
+  FieldOptions field;
   FitnessOptions fitness;
-  EvolveOptions evolve;
   RoadOptions road;
+  EvolveOptions evolve;
   ConcentrateOptions concentrate;
   ProposeOptions propose;
   ClassifyOptions classify;
 
   template <class Self, class Field>
-  static void fields(Self& self, Field&& field) {
-    field("seed", self.seed, "seed of all random numbers; same input, seed and options give the same result");
-    field("threads", self.threads, Range{0, 256}, "worker threads, 0 for one per core; results do not depend on it");
-    field("fitness", self.fitness);
-    field("evolve", self.evolve);
-    field("road", self.road);
-    field("concentrate", self.concentrate);
-    field("propose", self.propose);
-    field("classify", self.classify);
+  static void fields(Self& self, Field&& f) {
+    f("seed", self.seed, "seed of all random numbers; same input, seed and options give the same result");
+    f("threads", self.threads, Range{0, 256}, "worker threads, 0 for one per core; results do not depend on it");
+    f("field", self.field);
+    f("fitness", self.fitness);
+    f("road", self.road);
+    f("evolve", self.evolve);
+    f("concentrate", self.concentrate);
+    f("propose", self.propose);
+    f("classify", self.classify);
   }
 };
 
@@ -55,14 +57,18 @@ struct EnumNames<Preset> {
 };
 DetectorOptions preset_options(Preset preset);
 
+/// Checks every option against its range and those that depend on each other.
+/// @throws InputError naming `source` and the option
+void check_detector_options(const DetectorOptions& options, const std::string& source);
+
 /// What was found in one pair, and every intermediate result on the way there.
 struct Detection {
   std::vector<Obstacle> obstacles;      ///< nearest first
   std::vector<Pedestrian> pedestrians;  ///< nearest first
   StageTimes_ms stage_ms{};
 
-  Population flies;               ///< after the last generation, scored
-  RoadPlane road;
+  RoadResult road;
+  EvolveResult evolved;           ///< flies after the last generation, scored
   ConcentrateResult concentrate;  ///< its `obstacles` are those above
   std::vector<Roi> rois;
   std::vector<double> roi_scores;  ///< of the classifier, one per ROI
@@ -84,6 +90,8 @@ class Detector {
   const DetectorOptions& options() const { return options_; }
 
  private:
+  Detection detect(const RectifiedPair& pair) const;
+
   StereoCamera camera_;
   Projection projection_;
   DetectorOptions options_;

@@ -1,0 +1,59 @@
+#pragma once
+
+#include "flies/core/options.hpp"
+
+namespace flies {
+
+struct AssembleOptions {
+  bool merge = true;
+  double depth_gap_share = 0.06;
+  double lateral_gap_m = 0.4;
+  double max_width_m = 3.0;
+  double near_quantile = 0.2;
+  double radius_bandwidths = 2.5;
+  double min_height_m = 0.3;
+  int min_flies = 3;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("merge", self.merge, "join candidates that are parts of one object; false: one obstacle per candidate");
+    field("depth_gap_share", self.depth_gap_share, Range{0, 1},
+          "largest gap in depth inside an object, share of range");
+    field("lateral_gap_m", self.lateral_gap_m, Range{0, 10}, "largest sideways gap inside an object");
+    field("max_width_m", self.max_width_m, Range{0.1, 100}, "candidates are not joined to anything wider");
+    field("near_quantile", self.near_quantile, Range{0, 1},
+          "quantile of the flies' depth that is reported: 0 the nearest fly, 0.5 the median");
+    field("radius_bandwidths", self.radius_bandwidths, Range{0.5, 20},
+          "a fly belongs to a candidate within this many bandwidths");
+    field("min_height_m", self.min_height_m, Range{0, 5}, "obstacles whose top is lower are dropped");
+    field("min_flies", self.min_flies, Range{1, 1000}, "obstacles seen by fewer flies are dropped");
+  }
+};
+
+struct ConcentrateOptions {
+  double view_angle_deg = 1.0;
+  double half_field_deg = 45.0;
+  double bin_m = 0.5;
+  int samples = 2;
+  double bandwidth_px = 6.0;
+  int iterations = 6;
+  double min_density = 0.0;
+  double min_density_share = 0.05;
+  AssembleOptions assemble;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("view_angle_deg", self.view_angle_deg, Range{0.1, 30}, "width of a view-angle");
+    field("half_field_deg", self.half_field_deg, Range{1, 89}, "view-angles cover this much to each side");
+    field("bin_m", self.bin_m, Range{0.05, 10}, "interval of the histograms over x");
+    field("samples", self.samples, Range{1, 10}, "sample points per view-angle: the fullest separate intervals");
+    field("bandwidth_px", self.bandwidth_px, Range{0.5, 100}, "h of the mean shift, also the distance of clustering");
+    field("iterations", self.iterations, Range{0, 100}, "mean shifts of every sample point");
+    field("min_density", self.min_density, Range{0, 1e12}, "candidates of lower fitness density are discarded");
+    field("min_density_share", self.min_density_share, Range{0, 1},
+          "the same as a share of the strongest candidate's density");
+    field("assemble", self.assemble);
+  }
+};
+
+}  // namespace flies

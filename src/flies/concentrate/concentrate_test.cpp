@@ -1,0 +1,3 @@
+#include "flies/concentrate/concentrate.hpp"
+
+#include <gtest/gtest.h>

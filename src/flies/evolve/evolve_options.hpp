@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "flies/core/options.hpp"
+
+namespace flies {
+
+/// How the first flies and the immigrants are spread.
+enum class InitialDistribution {
+  image,  ///< u, disparity and height above the road uniform: every part of the image gets its share
+  space,  ///< x, y and z uniform in the field of detection: most flies are far away
+};
+template <>
+struct EnumNames<InitialDistribution> {
+  static constexpr std::array<std::string_view, 2> names = {"image", "space"};
+};
+
+struct SharingOptions {
+  int cell_px = 4;
+  double strength = 1.0;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("cell_px", self.cell_px, Range{1, 64}, "edge of the image cells in which flies count as crowded");
+    field("strength", self.strength, Range{0, 4}, "power of the crowding that divides the fitness; 0 for no sharing");
+  }
+};
+
+struct MutationOptions {
+  double image_px = 4.0;
+  double disparity_px = 1.0;
+  double cooling = 0.7;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("image_px", self.image_px, Range{0, 100}, "standard deviation of the move in u and in v");
+    field("disparity_px", self.disparity_px, Range{0, 100}, "standard deviation of the move in disparity");
+    field("cooling", self.cooling, Range{0.05, 1}, "factor on both deviations from one generation to the next");
+  }
+};
+
+struct EvolveOptions {
+  int flies = 5000;
+  int generations = 6;
+  InitialDistribution initial = InitialDistribution::image;
+  double keep_share = 0.4;
+  double crossover_share = 0.1;
+  double immigration_share = 0.2;
+  double steering_share = 0.0;
+  SharingOptions sharing;
+  MutationOptions mutation;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& f) {
+    f("flies", self.flies, Range{1, 10'000'000}, "size of the population");
+    f("generations", self.generations, Range{0, 1000}, "rounds of selection and re-generation");
+    f("initial", self.initial, "image: uniform in u, disparity and height; space: uniform in x, y and z");
+    f("keep_share", self.keep_share, Range{0, 1}, "share of the population that selection keeps");
+    f("crossover_share", self.crossover_share, Range{0, 1}, "share of the children that are crossed");
+    f("immigration_share", self.immigration_share, Range{0, 1}, "share of the children that are drawn anew");
+    f("steering_share", self.steering_share, Range{0, 1},
+      "share of the children (and of the first flies) drawn on the obstacles of the last pair");
+    f("sharing", self.sharing);
+    f("mutation", self.mutation);
+  }
+};
+
+}  // namespace flies

@@ -1,0 +1,3 @@
+#include "flies/evolve/evolve.hpp"
+
+#include <gtest/gtest.h>

@@ -1,0 +1,3 @@
+#include "flies/fitness/fitness.hpp"
+
+#include <gtest/gtest.h>

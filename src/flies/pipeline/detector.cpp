@@ -1,0 +1,62 @@
+#include "flies/pipeline/detector.hpp"
+
+#include <tbb/task_arena.h>
+
+#include <chrono>
+#include <utility>
+
+namespace flies {
+namespace {
+
+/// Runs a stage and notes how long it took.
+template <class Run>
+auto timed(StageTimes_ms& stage_ms, Stage stage, const Run& run) {
+  const auto start = std::chrono::steady_clock::now();
+  auto result = run();
+  const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+  stage_ms[static_cast<std::size_t>(stage)] = elapsed.count();
+  return result;
+}
+
+}  // namespace
+
+Detector::Detector(const StereoCamera& camera, const DetectorOptions& options, PeopleModel model)
+    : camera_(camera), projection_(camera), options_(options), model_(std::move(model)) {
+  check_camera(camera_, "camera");
+  check_detector_options(options_, "options");
+  check_people_model(model_, model_.name);
+}
+
+Detection Detector::process(const RectifiedPair& pair) {
+  check_pair(pair);
+  check_camera_fits(camera_, pair.left.width_px, pair.left.height_px, "camera");
+  tbb::task_arena arena(options_.threads == 0 ? tbb::task_arena::automatic : options_.threads);
+  auto detection = arena.execute([&] { return detect(pair); });
+  last_obstacles_ = detection.obstacles;
+  ++frame_;
+  return detection;
+}
+
+Detection Detector::detect(const RectifiedPair& pair) const {
+  const auto& [width_px, height_px] = std::pair(pair.left.width_px, pair.left.height_px);
+  Detection d;
+  d.road = timed(d.stage_ms, Stage::road, [&] { return estimate_road(pair, projection_, options_.road); });
+  const RoadPlane& road = d.road.plane;
+  d.evolved = timed(d.stage_ms, Stage::evolve, [&] {
+    return evolve(pair, projection_, road, options_.field, options_.fitness, options_.evolve, {options_.seed, frame_},
+                  last_obstacles_);
+  });
+  d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
+    return concentrate(d.evolved.flies, projection_, road, options_.field, options_.concentrate);
+  });
+  d.obstacles = d.concentrate.obstacles;
+  d.rois = timed(d.stage_ms, Stage::propose,
+                 [&] { return propose_rois(d.obstacles, projection_, road, width_px, height_px, options_.propose); });
+  d.pedestrians = timed(d.stage_ms, Stage::classify, [&] {
+    d.roi_scores = score_rois(pair.left, d.rois, model_);
+    return suppress_in_metres(d.rois, d.roi_scores, model_, options_.classify);
+  });
+  return d;
+}
+
+}  // namespace flies

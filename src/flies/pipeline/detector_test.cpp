@@ -1,0 +1,3 @@
+#include "flies/pipeline/detector.hpp"
+
+#include <gtest/gtest.h>

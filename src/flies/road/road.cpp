@@ -1,0 +1,188 @@
+#include "flies/road/road.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "flies/fitness/fitness.hpp"
+
+namespace flies {
+namespace {
+
+/// The road recedes quickly in the image (a third of a pixel of disparity a row at the usual height and baseline), so
+/// the neighbourhood that matches it is wide and flat.
+FitnessOptions road_fitness() {
+  FitnessOptions options;
+  options.sampling = PatchSampling::subpixel;
+  options.half_width_px = 12;
+  options.half_height_px = 2;
+  options.noise_gray = 1.0;  // roads are poor in texture
+  return options;
+}
+
+/// Probes that must agree before their fit replaces the nominal ground.
+constexpr int kMinInliers = 15;
+
+/// Distance in disparity that counts as lying on the plane.
+constexpr double kInlierDisparity_px = 0.75;
+
+/// A second match this many pixels off and this close in correlation makes a probe ambiguous.
+constexpr int kAmbiguousDistance_px = 3;
+constexpr double kAmbiguousMargin = 0.05;
+
+/// Standard deviations that weigh the measurements against the prior "nominal ground" in the fit: of a probe's
+/// disparity, of the error in the camera's height, and of the road's bank.
+constexpr double kDisparityNoise_px = 0.5;
+constexpr double kPriorHeight_m = 0.03;
+constexpr double kPriorBank = 0.01;
+
+/// Probes along rows that are evenly spaced in the image from the far to the near edge of the probed stretch.
+std::vector<StereoPoint> place_probes(const RectifiedPair& pair, const Projection& projection,
+                                      const RoadOptions& options) {
+  const int columns = std::max(2, static_cast<int>(std::sqrt(options.probes / 2.0)));
+  const int rows = std::max(2, options.probes / columns);
+  std::vector<StereoPoint> probes;
+  for (int r = 0; r < rows; ++r) {
+    const double inverse_x = std::lerp(1.0 / options.x_max_m, 1.0 / options.x_min_m, (r + 0.5) / rows);
+    for (int c = 0; c < columns; ++c) {
+      // Every other row is shifted by half a column so that the probes do not line up with the road's markings.
+      const double across = (c + (r % 2 == 0 ? 0.25 : 0.75)) / columns;
+      const Point3 nominal{1.0 / inverse_x, std::lerp(-options.half_width_m, options.half_width_m, across), 0.0};
+      const auto image = projection.project(nominal);
+      if (image.u_px >= 0 && image.u_px < pair.left.width_px && image.v_px >= 0 && image.v_px < pair.left.height_px)
+        probes.push_back(image);
+    }
+  }
+  return probes;
+}
+
+/// Offset of the vertex of the parabola through three equidistant values, -0.5..0.5 steps from the middle one.
+double parabola_vertex(double before, double middle, double after) {
+  const double curvature = before - 2.0 * middle + after;
+  return curvature < 0.0 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0.0;
+}
+
+/// Matches one probe along its line of sight, in steps of one pixel of disparity and then between them.
+RoadProbe match_probe(const RectifiedPair& pair, const Projection& projection, const RoadOptions& options,
+                      const FitnessOptions& fitness, const StereoPoint& image) {
+  const auto disparity_on_slope = [&](double slope) {
+    const Point3 point = projection.meet_road(image.u_px, image.v_px, {0.0, slope, 0.0});
+    return point.x_m > 0.0 ? projection.disparity_at_depth(projection.depth_m(point))
+                           : projection.disparity_offset_px();
+  };
+  const double lowest_px = disparity_on_slope(-options.max_slope);
+  const double highest_px = disparity_on_slope(options.max_slope);
+  std::vector<double> correlation;
+  for (double d = lowest_px; d <= highest_px; d += 1.0)
+    correlation.push_back(correlate_point(pair, fitness, {image.u_px, image.v_px, d}));
+
+  const auto best = std::max_element(correlation.begin(), correlation.end());
+  const auto k = best - correlation.begin();
+  if (correlation.size() < 3 || k == 0 || best + 1 == correlation.end() || *best < options.min_correlation) return {};
+  for (auto other = correlation.begin(); other != correlation.end(); ++other)
+    if (std::abs(other - best) >= kAmbiguousDistance_px && *other > *best - kAmbiguousMargin) return {};
+  const double disparity_px = lowest_px + static_cast<double>(k) + parabola_vertex(best[-1], best[0], best[1]);
+  return {projection.triangulate({image.u_px, image.v_px, disparity_px}), *best, false};
+}
+
+/// Solves the 3 x 3 normal equations of z = height + slope x + bank y by Gaussian elimination; they are positive
+/// definite thanks to the prior.
+std::array<double, 3> solve(std::array<std::array<double, 4>, 3> m) {
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t row = k + 1; row < 3; ++row) {
+      const double factor = m[row][k] / m[k][k];
+      for (std::size_t column = k; column < 4; ++column) m[row][column] -= factor * m[k][column];
+    }
+  std::array<double, 3> x{};
+  for (std::size_t k = 3; k-- > 0;) {
+    x[k] = m[k][3];
+    for (std::size_t column = k + 1; column < 3; ++column) x[k] -= m[k][column] * x[column];
+    x[k] /= m[k][k];
+  }
+  return x;
+}
+
+/// Change of disparity per metre that a point of the road is off its plane along its line of sight: the factor that
+/// turns height errors into the measurement's own unit, in which near and far probes compare.
+double disparity_per_height(const Projection& projection, const Point3& point) {
+  const double parallax = projection.disparity_at_depth(projection.depth_m(point)) - projection.disparity_offset_px();
+  return parallax / projection.height_m();
+}
+
+/// Iteratively reweighted least squares with Tukey's weights, and a prior that holds what few probes leave open.
+RoadPlane fit_plane(const Projection& projection, std::vector<RoadProbe>& probes, RoadPlane plane) {
+  constexpr int kIterations = 6;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    std::array<std::array<double, 4>, 3> normal{};
+    normal[0][0] = 1.0 / (kPriorHeight_m * kPriorHeight_m);
+    normal[1][1] = 1e-9;
+    normal[2][2] = 1.0 / (kPriorBank * kPriorBank);
+    for (auto& probe : probes) {
+      const Point3& p = probe.point;
+      const double scale = disparity_per_height(projection, p);
+      const double error_px = scale * (p.z_m - plane.z_m(p.x_m, p.y_m));
+      probe.inlier = probe.correlation > 0.0 && std::abs(error_px) < kInlierDisparity_px;
+      if (!probe.inlier) continue;
+      const double closeness = 1.0 - std::pow(error_px / kInlierDisparity_px, 2);
+      const double weight = std::pow(closeness * scale / kDisparityNoise_px, 2);
+      const std::array<double, 3> row{1.0, p.x_m, p.y_m};
+      for (std::size_t a = 0; a < 3; ++a) {
+        for (std::size_t b = 0; b < 3; ++b) normal[a][b] += weight * row[a] * row[b];
+        normal[a][3] += weight * row[a] * p.z_m;
+      }
+    }
+    const auto [height_m, slope, bank] = solve(normal);
+    plane = {height_m, slope, bank};
+  }
+  return plane;
+}
+
+/// Matches on the plane less matches below it. Below a road there is nothing, above it there are obstacles.
+int support(const Projection& projection, const std::vector<RoadProbe>& probes, const RoadPlane& plane) {
+  int result = 0;
+  for (const auto& probe : probes) {
+    if (probe.correlation == 0.0) continue;
+    const Point3& p = probe.point;
+    const double error_px = disparity_per_height(projection, p) * (p.z_m - plane.z_m(p.x_m, p.y_m));
+    if (std::abs(error_px) < kInlierDisparity_px) ++result;
+    if (error_px <= -kInlierDisparity_px) --result;
+  }
+  return result;
+}
+
+/// The best supported slope, in steps of half a pixel of disparity.
+RoadPlane search_slopes(const Projection& projection, const std::vector<RoadProbe>& probes, double max_slope) {
+  const double step =
+      0.5 * projection.height_m() / (projection.disparity_at_depth(1.0) - projection.disparity_offset_px());
+  const int steps = static_cast<int>(max_slope / step);
+  RoadPlane best;
+  int best_support = support(projection, probes, best);
+  for (int s = -steps; s <= steps; ++s) {
+    const RoadPlane plane{0.0, s * step, 0.0};
+    if (const int plane_support = support(projection, probes, plane); plane_support > best_support) {
+      best = plane;
+      best_support = plane_support;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+RoadResult estimate_road(const RectifiedPair& pair, const Projection& projection, const RoadOptions& options) {
+  RoadResult result;
+  if (!options.estimate) return result;
+  const auto fitness = road_fitness();
+  for (const auto& image : place_probes(pair, projection, options))
+    result.probes.push_back(match_probe(pair, projection, options, fitness, image));
+
+  const auto start = search_slopes(projection, result.probes, options.max_slope);
+  const auto plane = fit_plane(projection, result.probes, start);
+  const auto inliers = std::count_if(result.probes.begin(), result.probes.end(), [](auto& p) { return p.inlier; });
+  result.found = inliers >= kMinInliers && std::abs(plane.height_m) <= options.max_height_m &&
+                 std::abs(plane.slope) <= options.max_slope && std::abs(plane.bank) <= options.max_bank;
+  if (result.found) result.plane = plane;
+  return result;
+}
+
+}  // namespace flies

@@ -1,0 +1,3 @@
+#include "flies/road/road.hpp"
+
+#include <gtest/gtest.h>
