@@ -1,0 +1,108 @@
+#include "flies/io/calibration.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cctype>
+#include <filesystem>
+
+#include "flies/core/error.hpp"
+#include "flies/io/calibration_formats.hpp"
+#include "flies/io/number_table.hpp"
+
+namespace flies {
+namespace {
+
+/// No pair of cameras for the road is this wide; a file that says so counts in millimetres.
+constexpr double kMaxBaseline_m = 10.0;
+
+/// In order of recognition: the particular before the general.
+const std::array kFormats = {&detail::kPlainYaml,   &detail::kMiddlebury,    &detail::kKittiRaw,
+                             &detail::kKittiObject, &detail::kKittiOdometry, &detail::kRosCameraInfo,
+                             &detail::kOpenCvStereo};
+
+const detail::CalibrationFormat& recognise(const NumberTable& table) {
+  for (const auto* format : kFormats)
+    if (format->matches(table)) return *format;
+  std::string known;
+  for (const auto* format : kFormats) known += (known.empty() ? "" : ", ") + std::string(format->name);
+  throw InputError(table.source, "format", fmt::format("not recognised, expected one of: {}", known));
+}
+
+void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
+  auto& mount = calibration.camera.mount;
+  mount.height_m = request.camera_height_m.value_or(mount.height_m);
+  mount.pitch_rad = request.camera_pitch_rad.value_or(mount.pitch_rad);
+  mount.roll_rad = request.camera_roll_rad.value_or(mount.roll_rad);
+  calibration.has_height |= request.camera_height_m.has_value();
+  calibration.has_pitch |= request.camera_pitch_rad.has_value();
+  if (!calibration.has_height)
+    calibration.notes.push_back(fmt::format("the file has no camera height: {} m is assumed", mount.height_m));
+}
+
+void check_baseline(const Calibration& calibration, const std::string& source) {
+  const double baseline_m = calibration.camera.baseline_m;
+  const std::string pair = calibration.left_name + " and " + calibration.right_name;
+  if (baseline_m < 0.0)
+    throw InputError(source, "baseline",
+                     fmt::format("found {:.4g} m: left and right are swapped ({})", baseline_m, pair));
+  if (baseline_m == 0.0)
+    throw InputError(source, "baseline", fmt::format("found 0 m: both cameras stand in one place ({})", pair));
+  if (baseline_m > kMaxBaseline_m)
+    throw InputError(source, "baseline",
+                     fmt::format("found {:.6g}, expected metres, at most {}: the file seems to count in millimetres",
+                                 baseline_m, kMaxBaseline_m));
+}
+
+/// The camera that the last folder or file name of this form names: "image_02", "image_2", "image_02_rect".
+std::optional<int> kitti_camera_of(const std::string& path) {
+  std::optional<int> camera;
+  for (const auto& part : std::filesystem::path(path)) {
+    std::string name = part.string();
+    if (!name.starts_with("image_")) continue;
+    name.erase(0, 6);
+    std::size_t digits = 0;
+    while (digits < name.size() && std::isdigit(static_cast<unsigned char>(name[digits]))) ++digits;
+    if (digits == 0 || digits > 2 || (digits < name.size() && std::isalpha(static_cast<unsigned char>(name[digits]))))
+      continue;
+    const int number = std::stoi(name.substr(0, digits));
+    if (number <= 3) camera = number;
+  }
+  return camera;
+}
+
+}  // namespace
+
+Calibration load_calibration(const std::string& path, const CalibrationRequest& request) {
+  const auto table = read_number_table(path);
+  const auto& format = recognise(table);
+  auto calibration = format.read(table, request);
+  calibration.format = format.name;
+  apply_mount(request, calibration);
+  check_baseline(calibration, path);
+  auto& camera = calibration.camera;
+  check_camera(camera, path);
+  if (camera.width_px == 0 && request.width_px > 0 && request.height_px > 0) {
+    check_camera_fits(camera, request.width_px, request.height_px, path);
+    camera.width_px = request.width_px;
+    camera.height_px = request.height_px;
+  }
+  return calibration;
+}
+
+std::string calibration_yaml(const StereoCamera& camera) {
+  return fmt::format(
+      "# Stereo camera, rectified. Units end the names; pitch is positive when the camera looks down.\n"
+      "fx_px: {}\nfy_px: {}\ncx_px: {}\ncx_right_px: {}\ncy_px: {}\nbaseline_m: {}\nwidth_px: {}\nheight_px: {}\n"
+      "height_m: {}\npitch_deg: {}\nroll_deg: {}\n",
+      camera.fx_px, camera.fy_px, camera.cx_px, camera.cx_right_px, camera.cy_px, camera.baseline_m, camera.width_px,
+      camera.height_px, camera.mount.height_m, degrees(camera.mount.pitch_rad), degrees(camera.mount.roll_rad));
+}
+
+std::optional<std::array<int, 2>> kitti_cameras_from_paths(const std::string& left, const std::string& right) {
+  const auto left_camera = kitti_camera_of(left), right_camera = kitti_camera_of(right);
+  if (!left_camera || !right_camera || left_camera == right_camera) return std::nullopt;
+  return std::array{*left_camera, *right_camera};
+}
+
+}  // namespace flies

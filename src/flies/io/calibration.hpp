@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "flies/core/stereo_camera.hpp"
+#include "flies/io/rectifier.hpp"
+
+namespace flies {
+
+/// What the user adds to a calibration file. See docs/formats.md for the formats.
+struct CalibrationRequest {
+  /// Second file: the right camera of a ROS pair, or the other half of OpenCV's intrinsics.yml and extrinsics.yml.
+  /// When empty, the right file of a ROS pair is looked for beside the left one.
+  std::string right_path;
+  std::optional<std::array<int, 2>> cameras;  ///< KITTI cameras, left and right; 2 and 3 when not given
+  int width_px = 0;                           ///< size of the images, used when the file does not say
+  int height_px = 0;
+  std::optional<double> camera_height_m;  ///< these three overrule the file
+  std::optional<double> camera_pitch_rad;
+  std::optional<double> camera_roll_rad;
+};
+
+/// What was understood of a calibration.
+struct Calibration {
+  StereoCamera camera;
+  std::string format;                 ///< "KITTI raw calib_cam_to_cam", ...
+  std::string left_name, right_name;  ///< how the file calls the two cameras: "P2" and "P3", "cam0" and "cam1"
+  bool has_height = false;            ///< the file or the request gave it; otherwise the default stands in `camera`
+  bool has_pitch = false;
+  std::optional<Rectifier> rectifier;  ///< present when the images are raw: rectify them before anything else
+  std::vector<std::string> notes;      ///< sentences on what was ignored or assumed
+};
+
+/// Reads a calibration; the format is recognised from the content, not from the name.
+/// @throws InputError naming file and key: unreadable, unknown format, missing key, wrong count, not finite, zero focal
+///         length, baseline not positive (left and right swapped), not a rectified pair, implausible unit
+Calibration load_calibration(const std::string& path, const CalibrationRequest& request = {});
+
+/// The camera as the plain YAML that `load_calibration` reads back to the same values.
+std::string calibration_yaml(const StereoCamera& camera);
+
+/// The KITTI cameras that a pair of paths names: `image_00`, `image_0` and the like in a folder or file name.
+/// @returns nothing unless the paths name one each, and not the same
+std::optional<std::array<int, 2>> kitti_cameras_from_paths(const std::string& left, const std::string& right);
+
+}  // namespace flies

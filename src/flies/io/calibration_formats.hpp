@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include "flies/io/calibration.hpp"
+#include "flies/io/number_table.hpp"
+
+namespace flies::detail {
+
+/// A calibration format: how to know it and how to read it.
+struct CalibrationFormat {
+  const char* name;
+  bool (*matches)(const NumberTable& table);
+  /// Fills camera, names and notes; name, mount defaults and the checks common to all are the caller's.
+  Calibration (*read)(const NumberTable& table, const CalibrationRequest& request);
+};
+
+extern const CalibrationFormat kKittiObject, kKittiRaw, kKittiOdometry, kMiddlebury, kPlainYaml, kRosCameraInfo,
+    kOpenCvStereo;
+
+/// A 3 x 4 projection matrix and where it was read.
+struct ProjectionKey {
+  const NumberTable& table;
+  std::string key;
+};
+
+/// The rectified camera of two projection matrices K [I | t].
+/// @throws InputError when they are not the two halves of a rectified pair
+Calibration calibration_from_projections(const ProjectionKey& left, const ProjectionKey& right);
+
+}  // namespace flies::detail

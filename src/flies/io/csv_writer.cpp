@@ -1,0 +1,49 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "flies/io/writers.hpp"
+
+namespace flies {
+namespace {
+
+/// RFC 4180: quoted when it holds a separator, a quote or a line break; quotes are doubled.
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"') result += '"';
+    result += c;
+  }
+  return result + '"';
+}
+
+std::string number(double value, int decimals) {
+  if (!std::isfinite(value)) return {};
+  return fmt::format("{:.{}f}", value, decimals);
+}
+std::string metres(double value_m) { return number(value_m, 3); }
+std::string pixels(double value_px) { return number(value_px, 2); }
+std::string score_of(double score) { return std::isfinite(score) ? fmt::format("{:.6g}", score) : std::string(); }
+
+}  // namespace
+
+std::string csv_header() {
+  return "frame,left,right,kind,x_m,y_m,range_m,width_m,height_m,score,u_px,v_px,width_px,height_px\n";
+}
+
+std::string csv_rows(const FrameRecord& record) {
+  const std::string start = fmt::format("{},{},{}", record.frame, quoted(record.left), quoted(record.right));
+  std::string rows;
+  const auto add_row = [&](const char* kind, const auto& found, const std::string& width_m) {
+    rows += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", start, kind, metres(found.x_m), metres(found.y_m),
+                        metres(found.range_m), width_m, metres(found.height_m), score_of(found.score),
+                        pixels(found.box.u_px), pixels(found.box.v_px), pixels(found.box.width_px),
+                        pixels(found.box.height_px));
+  };
+  for (const auto& obstacle : record.obstacles) add_row("obstacle", obstacle, metres(obstacle.width_m));
+  for (const auto& pedestrian : record.pedestrians) add_row("pedestrian", pedestrian, "");
+  return rows;
+}
+
+}  // namespace flies

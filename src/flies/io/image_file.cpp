@@ -1,0 +1,134 @@
+#include "flies/io/image_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+namespace flies::detail {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr auto kPngSignature = "\x89PNG\r\n\x1a\n"sv;
+const std::string kTruncated = "is truncated";
+const std::string kDamaged = "is damaged";
+
+std::uint8_t byte_at(std::string_view bytes, std::size_t at) { return static_cast<std::uint8_t>(bytes[at]); }
+
+std::uint32_t big_endian(std::string_view bytes, std::size_t at, int count) {
+  std::uint32_t value = 0;
+  for (int i = 0; i < count; ++i) value = value << 8 | byte_at(bytes, at + static_cast<std::size_t>(i));
+  return value;
+}
+
+/// The CRC-32 of PNG (ISO 3309).
+std::uint32_t crc32(std::string_view bytes) {
+  static const auto table = [] {
+    std::array<std::uint32_t, 256> entries{};
+    for (std::uint32_t n = 0; n < 256; ++n) {
+      std::uint32_t c = n;
+      for (int k = 0; k < 8; ++k) c = (c & 1U) != 0 ? 0xEDB88320U ^ (c >> 1) : c >> 1;
+      entries[n] = c;
+    }
+    return entries;
+  }();
+  std::uint32_t crc = 0xFFFFFFFFU;
+  for (const char c : bytes) crc = table[(crc ^ static_cast<std::uint8_t>(c)) & 0xFFU] ^ (crc >> 8);
+  return ~crc;
+}
+
+std::string png_fault(std::string_view bytes) {
+  constexpr std::size_t kFrame = 12;  // length, type and checksum around the data of a chunk
+  for (std::size_t at = kPngSignature.size(); bytes.size() - at >= kFrame;) {
+    const std::size_t length = big_endian(bytes, at, 4);
+    if (length > bytes.size() - at - kFrame) return kTruncated;
+    if (crc32(bytes.substr(at + 4, length + 4)) != big_endian(bytes, at + 8 + length, 4)) return kDamaged;
+    if (bytes.substr(at + 4, 4) == "IEND") return {};
+    at += kFrame + length;
+  }
+  return kTruncated;
+}
+
+std::string jpeg_fault(std::string_view bytes) {
+  constexpr std::uint8_t kStuffed = 0x00, kFirstRestart = 0xD0, kLastRestart = 0xD7, kEnd = 0xD9, kFill = 0xFF;
+  std::size_t at = 2;  // behind the start of image
+  while (true) {
+    // Skip entropy-coded data (none between the first segments) up to the next marker.
+    at = bytes.find('\xFF', at);
+    if (at == std::string_view::npos || at + 1 >= bytes.size()) return kTruncated;
+    const std::uint8_t marker = byte_at(bytes, at + 1);
+    if (marker == kEnd) return {};
+    if (marker == kFill) {
+      at += 1;
+    } else if (marker == kStuffed || (marker >= kFirstRestart && marker <= kLastRestart)) {
+      at += 2;
+    } else {
+      if (at + 4 > bytes.size()) return kTruncated;
+      at += 2 + big_endian(bytes, at + 2, 2);
+      if (at > bytes.size()) return kTruncated;
+    }
+  }
+}
+
+/// The next number of a PNM header, past blanks and comments.
+std::optional<std::size_t> pnm_number(std::string_view bytes, std::size_t& at) {
+  while (at < bytes.size() && (std::isspace(byte_at(bytes, at)) != 0 || bytes[at] == '#'))
+    at = bytes[at] == '#' ? std::min(bytes.find('\n', at), bytes.size()) : at + 1;
+  std::size_t value = 0, digits = 0;
+  for (; at < bytes.size() && std::isdigit(byte_at(bytes, at)) != 0 && digits < 9; ++at, ++digits)
+    value = value * 10 + static_cast<std::size_t>(bytes[at] - '0');
+  return digits > 0 ? std::optional(value) : std::nullopt;
+}
+
+std::string pnm_fault(std::string_view bytes) {
+  const char kind = bytes[1];
+  std::size_t at = 2;
+  const auto width = pnm_number(bytes, at), height = pnm_number(bytes, at);
+  const bool is_bitmap = kind == '1' || kind == '4';
+  const auto maximum = is_bitmap ? std::optional<std::size_t>(1) : pnm_number(bytes, at);
+  if (!width || !height || !maximum || at >= bytes.size()) return kTruncated;
+  if (kind <= '3') {
+    std::size_t samples = 0;
+    const std::size_t expected = *width * *height * (kind == '3' ? 3 : 1);
+    if (is_bitmap) return {};  // its digits need no blanks between them
+    while (samples < expected && pnm_number(bytes, at)) ++samples;
+    return samples < expected ? kTruncated : "";
+  }
+  const std::size_t row = kind == '4'   ? (*width + 7) / 8
+                          : kind == '5' ? *width * (*maximum > 255 ? 2 : 1)
+                                        : *width * (*maximum > 255 ? 6 : 3);
+  return bytes.size() - at - 1 < row * *height ? kTruncated : "";
+}
+
+}  // namespace
+
+ImageFileKind image_file_kind(std::string_view bytes) {
+  if (bytes.starts_with(kPngSignature)) return ImageFileKind::png;
+  if (bytes.starts_with("\xFF\xD8\xFF")) return ImageFileKind::jpeg;
+  if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return ImageFileKind::tiff;
+  if (bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6' && std::isspace(byte_at(bytes, 2)) != 0)
+    return ImageFileKind::pnm;
+  return ImageFileKind::unknown;
+}
+
+std::string image_file_fault(std::string_view bytes) {
+  switch (image_file_kind(bytes)) {
+    case ImageFileKind::png:
+      return png_fault(bytes);
+    case ImageFileKind::jpeg:
+      return jpeg_fault(bytes);
+    case ImageFileKind::pnm:
+      return pnm_fault(bytes);
+    case ImageFileKind::tiff:
+      return {};
+    case ImageFileKind::unknown:
+      break;
+  }
+  return "is not an image, expected PNG, JPEG, PGM or TIFF";
+}
+
+}  // namespace flies::detail

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace flies::detail {
+
+enum class ImageFileKind { png, jpeg, pnm, tiff, unknown };
+
+ImageFileKind image_file_kind(std::string_view bytes);
+
+/// Checks that an image file is whole, because decoders fill what is missing with grey or black and only warn:
+/// PNG chunk by chunk with its checksums, JPEG marker by marker up to the end of the image, PNM by its size.
+/// (TIFF decoders do fail on missing data.)
+/// @returns what is wrong, empty when nothing is
+std::string image_file_fault(std::string_view bytes);
+
+}  // namespace flies::detail

@@ -1,0 +1,141 @@
+#include "flies/io/images.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "flies/core/error.hpp"
+#include "flies/io/image_file.hpp"
+#include "flies/io/text_file.hpp"
+
+namespace flies {
+namespace {
+
+constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
+
+/// Keeps OpenCV from writing to stderr: the fault is reported by InputError.
+class SilentOpenCv {
+ public:
+  SilentOpenCv() : level_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)) {}
+  ~SilentOpenCv() { cv::utils::logging::setLogLevel(level_); }
+  SilentOpenCv(const SilentOpenCv&) = delete;
+  SilentOpenCv& operator=(const SilentOpenCv&) = delete;
+
+ private:
+  cv::utils::logging::LogLevel level_;
+};
+
+cv::Mat decode(const std::string& path) {
+  std::string bytes = read_file(path, kMaxBytes);
+  const std::string fault = detail::image_file_fault(bytes);
+  if (!fault.empty()) throw InputError(path, "", fault);
+  const SilentOpenCv silence;
+  cv::Mat image;
+  try {
+    const cv::Mat file(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
+    image = cv::imdecode(file, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    image.release();
+  }
+  if (image.empty()) throw InputError(path, "", "is damaged or truncated: its pixels cannot be decoded");
+  return image;
+}
+
+void check_pixels(const cv::Mat& image, const std::string& path) {
+  if (image.depth() == CV_32F || image.depth() == CV_64F)
+    throw InputError(path, "pixels",
+                     fmt::format("found floating point{}, expected 8 or 16 bits",
+                                 cv::checkRange(image) ? "" : " with values that are not finite"));
+  if (image.depth() != CV_8U && image.depth() != CV_16U)
+    throw InputError(path, "pixels", "found signed or 32-bit values, expected 8 or 16 bits");
+  if (image.cols < kMinImageWidth_px || image.rows < kMinImageHeight_px)
+    throw InputError(path, "size",
+                     fmt::format("found {} x {} px, expected at least {} x {} px", image.cols, image.rows,
+                                 kMinImageWidth_px, kMinImageHeight_px));
+}
+
+/// Grey with the bit depth of the file.
+cv::Mat to_gray(const cv::Mat& image, const std::string& path) {
+  cv::Mat gray;
+  switch (image.channels()) {
+    case 1:
+      gray = image;
+      break;
+    case 2:
+      cv::extractChannel(image, gray, 0);
+      break;
+    case 3:
+      cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+      break;
+    case 4:
+      cv::cvtColor(image, gray, cv::COLOR_BGRA2GRAY);
+      break;
+    default:
+      throw InputError(path, "pixels", fmt::format("found {} channels, expected 1 to 4", image.channels()));
+  }
+  double minimum = 0, maximum = 0;
+  cv::minMaxLoc(gray, &minimum, &maximum);
+  if (minimum == maximum)
+    throw InputError(path, "pixels", fmt::format("all have grey level {}: nothing can be seen in this image", minimum));
+  return gray;
+}
+
+cv::Mat read_gray(const std::string& path) {
+  const cv::Mat image = decode(path);
+  check_pixels(image, path);
+  return to_gray(image, path);
+}
+
+/// Bits needed for the brightest pixel of a 16-bit image, at least 8.
+int significant_bits(const cv::Mat& gray) {
+  double maximum = 0;
+  cv::minMaxLoc(gray, nullptr, &maximum);
+  return std::max(8, static_cast<int>(std::bit_width(static_cast<unsigned>(maximum))));
+}
+
+GrayImage to_8_bits(const cv::Mat& gray, int bit_depth) {
+  GrayImage image{gray.cols, gray.rows, std::vector<std::uint8_t>(gray.total())};
+  cv::Mat pixels(gray.rows, gray.cols, CV_8U, image.pixels.data());
+  if (gray.depth() == CV_8U) {
+    gray.copyTo(pixels);
+    return image;
+  }
+  // Shifted, not rounded: the brightest level must stay below 256.
+  const int shift = bit_depth - 8;
+  for (int v = 0; v < gray.rows; ++v)
+    std::transform(gray.ptr<std::uint16_t>(v), gray.ptr<std::uint16_t>(v) + gray.cols, pixels.ptr<std::uint8_t>(v),
+                   [shift](std::uint16_t level) { return static_cast<std::uint8_t>(level >> shift); });
+  return image;
+}
+
+}  // namespace
+
+GrayImage load_gray_image(const std::string& path) {
+  const cv::Mat gray = read_gray(path);
+  return to_8_bits(gray, significant_bits(gray));
+}
+
+GrayPair load_pair(const std::string& left_path, const std::string& right_path) {
+  const cv::Mat left = read_gray(left_path);
+  const cv::Mat right = read_gray(right_path);
+  if (left.size() != right.size())
+    throw InputError(right_path, "size",
+                     fmt::format("found {} x {} px, expected {} x {} px as in {}", right.cols, right.rows, left.cols,
+                                 left.rows, left_path));
+  if (left.depth() != right.depth())
+    throw InputError(right_path, "pixels",
+                     fmt::format("found {} bits, expected {} bits as in {}", 8 * right.elemSize1(),
+                                 8 * left.elemSize1(), left_path));
+  if (cv::norm(left, right, cv::NORM_INF) == 0.0)
+    throw InputError(right_path, "pixels", fmt::format("not a pair: the image is identical to {}", left_path));
+  const int bit_depth = std::max(significant_bits(left), significant_bits(right));
+  return {to_8_bits(left, bit_depth), to_8_bits(right, bit_depth), bit_depth};
+}
+
+}  // namespace flies

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "flies/io/gray_image.hpp"
+
+namespace flies {
+
+/// The smallest image in which the method's neighbourhoods find anything.
+inline constexpr int kMinImageWidth_px = 64;
+inline constexpr int kMinImageHeight_px = 48;
+
+/// Reads one image as 8-bit grey: PNG, JPEG, PGM/PPM or TIFF with 8 or 16 bits, grey or colour, with or without alpha
+/// (ignored). Colour becomes grey with the weights of ITU-R BT.601; 16 bits are scaled as in `load_pair`.
+/// @throws InputError naming the file: missing, a folder, not an image, truncated or damaged, floating point, smaller
+///         than 64 x 48 px, a single grey level throughout
+GrayImage load_gray_image(const std::string& path);
+
+/// Reads the two images of a pair. Files with 16 bits hold anything from 9 to 16 significant ones; both images are
+/// shifted by the same number of bits, the smallest that fits the larger maximum of the two into 8, so that equal
+/// light stays equal grey.
+/// @throws InputError for the faults of `load_gray_image`, for sizes or bit depths that differ, and for one image given
+///         twice
+GrayPair load_pair(const std::string& left_path, const std::string& right_path);
+
+}  // namespace flies

@@ -1,0 +1,80 @@
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "flies/io/writers.hpp"
+
+namespace flies {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Rounded to a number of decimals; adding 0 turns -0 into 0.
+Json rounded(double value, int decimals) {
+  if (!std::isfinite(value)) return nullptr;
+  const double scale = std::pow(10.0, decimals);
+  const double result = std::round(value * scale) / scale + 0.0;
+  return std::isfinite(result) ? Json(result) : Json(value);
+}
+Json metres(double value_m) { return rounded(value_m, 3); }
+Json pixels(double value_px) { return rounded(value_px, 2); }
+Json milliseconds(double value_ms) { return rounded(value_ms, 3); }
+
+/// Six significant digits: scores of different fitness functions differ by many orders of magnitude.
+Json score_of(double score) {
+  if (!std::isfinite(score)) return nullptr;
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.6g", score);
+  return std::strtod(text, nullptr) + 0.0;
+}
+
+Json box_of(const ImageBox& box) {
+  return {{"u_px", pixels(box.u_px)},
+          {"v_px", pixels(box.v_px)},
+          {"width_px", pixels(box.width_px)},
+          {"height_px", pixels(box.height_px)}};
+}
+
+Json object_of(const Obstacle& obstacle) {
+  return {{"x_m", metres(obstacle.x_m)},
+          {"y_m", metres(obstacle.y_m)},
+          {"range_m", metres(obstacle.range_m)},
+          {"width_m", metres(obstacle.width_m)},
+          {"height_m", metres(obstacle.height_m)},
+          {"score", score_of(obstacle.score)},
+          {"box", box_of(obstacle.box)}};
+}
+
+Json object_of(const Pedestrian& pedestrian) {
+  return {{"x_m", metres(pedestrian.x_m)},         {"y_m", metres(pedestrian.y_m)},
+          {"range_m", metres(pedestrian.range_m)}, {"height_m", metres(pedestrian.height_m)},
+          {"score", score_of(pedestrian.score)},   {"box", box_of(pedestrian.box)}};
+}
+
+template <class Item>
+Json array_of(const std::vector<Item>& items) {
+  Json array = Json::array();
+  for (const auto& item : items) array.push_back(object_of(item));
+  return array;
+}
+
+}  // namespace
+
+std::string json_line(const FrameRecord& record) {
+  Json stage_ms = Json::object();
+  for (std::size_t stage = 0; stage < kStageCount; ++stage)
+    stage_ms[std::string(kStageNames[stage])] = milliseconds(record.stage_ms[stage]);
+  const Json object = {{"frame", record.frame},
+                       {"left", record.left},
+                       {"right", record.right},
+                       {"seed", record.seed},
+                       {"preset", record.preset},
+                       {"obstacles", array_of(record.obstacles)},
+                       {"pedestrians", array_of(record.pedestrians)},
+                       {"stage_ms", stage_ms}};
+  constexpr int kOneLine = -1;
+  return object.dump(kOneLine, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace flies

@@ -1,0 +1,121 @@
+#include "flies/io/output_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cassert>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <utility>
+#include <vector>
+
+#include "flies/core/error.hpp"
+
+namespace flies {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Unique among processes by the process id, within one by counting.
+std::string part_name(const std::string& target) {
+  static std::atomic<unsigned> count{0};
+  return fmt::format("{}.part-{}-{}", target, ::getpid(), count++);
+}
+
+}  // namespace
+
+OutputFile::OutputFile(const std::string& path) : path_(path) {
+  if (path.empty()) throw InputError("output", "file name", "is empty");
+  if (path == "-") {
+    file_ = stdout;
+    return;
+  }
+  std::error_code error;
+  if (fs::is_directory(path, error)) throw InputError(path, "", "is a folder, expected a file to write");
+  if (fs::exists(path, error) && !fs::is_regular_file(path, error)) {
+    target_path_ = path;
+    file_ = std::fopen(path.c_str(), "wb");
+    if (file_ == nullptr) fail(errno);
+    return;
+  }
+  // Renaming onto a link would replace the link, so follow it first.
+  const fs::path resolved = fs::weakly_canonical(path, error);
+  target_path_ = error ? path : resolved.string();
+  // A file that may not be written must not be replaced either, although the folder would allow it.
+  if (fs::exists(target_path_, error) && ::access(target_path_.c_str(), W_OK) != 0) fail(errno);
+  part_path_ = part_name(target_path_);
+  const int descriptor = ::open(part_path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  const int open_error = errno;
+  if (descriptor >= 0) file_ = ::fdopen(descriptor, "wb");
+  if (file_ == nullptr) {
+    if (descriptor < 0) part_path_.clear();
+    discard();
+    fail(open_error);
+  }
+}
+
+OutputFile::~OutputFile() { discard(); }
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      target_path_(std::move(other.target_path_)),
+      part_path_(std::exchange(other.part_path_, {})),
+      file_(std::exchange(other.file_, nullptr)) {}
+
+void OutputFile::write(std::string_view text) {
+  assert(file_ != nullptr);
+  if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(errno);
+  if (file_ == stdout && std::fflush(file_) != 0) fail(errno);
+}
+
+void OutputFile::commit() {
+  assert(file_ != nullptr);
+  if (std::ferror(file_) != 0) fail(EIO);
+  if (file_ == stdout) {
+    file_ = nullptr;
+    if (std::fflush(stdout) != 0) fail(errno);
+    return;
+  }
+  // The last bytes reach the disk here, and so does the news that it is full.
+  std::FILE* file = std::exchange(file_, nullptr);
+  int error_number = std::fflush(file) != 0 ? errno : 0;
+  if (std::fclose(file) != 0 && error_number == 0) error_number = errno;
+  if (error_number == 0 && !part_path_.empty() && ::rename(part_path_.c_str(), target_path_.c_str()) != 0)
+    error_number = errno;
+  if (error_number != 0) {
+    discard();
+    fail(error_number);
+  }
+  part_path_.clear();
+}
+
+void OutputFile::fail(int error_number) const {
+  throw InputError(path_ == "-" ? "standard output" : path_, "",
+                   fmt::format("cannot be written: {}", std::strerror(error_number)));
+}
+
+void OutputFile::discard() noexcept {
+  if (file_ != nullptr && file_ != stdout) std::fclose(file_);
+  file_ = nullptr;
+  if (!part_path_.empty()) ::unlink(part_path_.c_str());
+  part_path_.clear();
+}
+
+void write_file(const std::string& path, std::string_view bytes) {
+  OutputFile file(path);
+  file.write(bytes);
+  file.commit();
+}
+
+void write_png(const std::string& path, const cv::Mat& image) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", image, bytes);
+  write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+}  // namespace flies

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+namespace cv {
+class Mat;
+}
+
+namespace flies {
+
+/// A file that appears under its name only when it is complete: text goes to `<name>.part-<number>` beside it, which
+/// `commit` renames; without `commit` it is removed. "-" is standard output; existing files that are not regular
+/// (/dev/null, a pipe) are written directly.
+class OutputFile {
+ public:
+  /// @throws InputError naming the file when it cannot be created
+  explicit OutputFile(const std::string& path);
+  ~OutputFile();
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&& other) = delete;
+
+  /// Appends text or bytes; on standard output they are visible at once.
+  /// @throws InputError naming the file when the disk is full or the like
+  void write(std::string_view text);
+
+  /// Closes the file and gives it its name. Call it once, last.
+  /// @throws InputError naming the file when the disk is full or the like; nothing is left behind then
+  void commit();
+
+  const std::string& path() const { return path_; }
+
+ private:
+  [[noreturn]] void fail(int error_number) const;
+  void discard() noexcept;
+
+  std::string path_;         ///< as the user wrote it
+  std::string target_path_;  ///< with links resolved
+  std::string part_path_;    ///< empty when written directly
+  std::FILE* file_ = nullptr;
+};
+
+/// Writes a whole file at once. @throws InputError naming the file when it cannot be written
+void write_file(const std::string& path, std::string_view bytes);
+
+/// Writes an 8- or 16-bit image as PNG. @throws InputError naming the file when it cannot be written
+void write_png(const std::string& path, const cv::Mat& image);
+
+}  // namespace flies

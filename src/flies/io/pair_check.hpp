@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "flies/core/gray_view.hpp"
+#include "flies/core/stereo_camera.hpp"
+
+namespace flies {
+
+/// What a few hundred textured patches of the left image say about the pair, each searched along its row of the right
+/// image on both sides of infinity.
+struct PairEvidence {
+  int patches = 0;  ///< with enough texture to be searched
+  int nearer = 0;   ///< found, at more disparity than infinity: in front of the cameras
+  int beyond = 0;   ///< found, at less disparity than infinity: impossible unless left and right are swapped
+  int distant = 0;  ///< found at infinity, within the noise
+};
+
+/// Takes a few milliseconds whatever the size of the images (they are reduced to about 600 columns).
+/// @param pair both images of one size, at least 64 x 48 px
+PairEvidence gather_pair_evidence(const RectifiedPair& pair, const StereoCamera& camera);
+
+/// Checks that the images are two views of one scene, rectified, left and right in place. Scenes without texture pass.
+/// @throws InputError naming both images: not a pair, or swapped
+void check_true_pair(const RectifiedPair& pair, const StereoCamera& camera, const std::string& left_name,
+                     const std::string& right_name);
+
+/// Only the second half of `check_true_pair`. @throws InputError when left and right seem to be swapped
+void check_not_swapped(const RectifiedPair& pair, const StereoCamera& camera, const std::string& left_name,
+                       const std::string& right_name);
+
+}  // namespace flies

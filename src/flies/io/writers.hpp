@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "flies/core/fly.hpp"
+#include "flies/core/results.hpp"
+
+namespace flies {
+
+/// What was found in one pair, as it is written. docs/formats.md holds the schema.
+struct FrameRecord {
+  int frame = 0;            ///< counted from 0 in the order of processing
+  std::string left, right;  ///< image files
+  std::uint64_t seed = 0;
+  std::string preset;
+  std::vector<Obstacle> obstacles;
+  std::vector<Pedestrian> pedestrians;
+  StageTimes_ms stage_ms{};
+};
+
+/// One JSON object and a line feed: a line of JSON Lines. Numbers are rounded to millimetres, hundredths of a pixel,
+/// microseconds and six digits of a score; a number that is not finite becomes null. Bytes of file names that are not
+/// UTF-8 become U+FFFD.
+std::string json_line(const FrameRecord& record);
+
+/// The names of the columns, one line.
+std::string csv_header();
+
+/// One line per obstacle and per pedestrian, told apart by the column `kind`; no line when nothing was found. Fields
+/// are quoted as in RFC 4180 where needed, lines end with a line feed. A number that is not finite is an empty field.
+std::string csv_rows(const FrameRecord& record);
+
+/// The flies as a point cloud, ASCII PLY: x y z in metres in the vehicle frame, colour by fitness (see
+/// `fitness_color`), fitness. Flies at positions that are not finite are left out.
+std::string ply_text(const Population& flies);
+
+}  // namespace flies
