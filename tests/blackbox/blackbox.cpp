@@ -1,0 +1,99 @@
+#include "tests/blackbox/blackbox.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+
+#include "flies/io/images.hpp"
+
+namespace flies::blackbox {
+namespace {
+
+std::filesystem::path data_folder() {
+  if (const char* folder = std::getenv("FLIES_TEST_DATA")) return folder;
+  if (const char* source = std::getenv("FLIES_SOURCE_DIR")) return std::filesystem::path(source) / "../shared/data";
+  return "../shared/data";
+}
+
+std::string percent(std::optional<double> value) { return value ? fmt::format("{:+.1f} %", 100.0 * *value) : "-"; }
+std::string percent(const Rate& rate) {
+  return rate.total > 0 ? fmt::format("{:.1f} % ({}/{})", 100.0 * *rate.value(), rate.hits, rate.total) : "-";
+}
+
+std::optional<double> median(std::vector<double> values) {
+  if (values.empty()) return std::nullopt;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::optional<std::filesystem::path> find_data(const std::string& sub_folder) {
+  const auto folder = data_folder() / sub_folder;
+  if (!std::filesystem::is_directory(folder)) return std::nullopt;
+  return std::filesystem::canonical(folder);
+}
+
+std::string absence(const std::string& sub_folder) {
+  return fmt::format("The data folder {} is absent; set FLIES_TEST_DATA to the folder that holds {}.",
+                     (data_folder() / sub_folder).string(), sub_folder);
+}
+
+ScoredFrame detect_and_score(Detector& detector, const std::filesystem::path& left, const std::filesystem::path& right,
+                             FrameTruth truth, const MatchOptions& options) {
+  const GrayPair pair = load_pair(left.string(), right.string());
+  ScoredFrame frame;
+  frame.truth = std::move(truth);
+  frame.detection = detector.process(pair.view());
+  frame.score = score_frame(frame.truth, frame.detection.obstacles, options);
+  return frame;
+}
+
+std::vector<ObjectRow> tabulate(const std::vector<ScoredFrame>& frames) {
+  std::map<std::string, ObjectRow> rows;
+  for (const auto& frame : frames) {
+    for (std::size_t i = 0; i < frame.truth.objects.size(); ++i) {
+      if (!frame.score.objects[i].counted) continue;
+      const auto& object = frame.truth.objects[i];
+      ObjectRow& row = rows[fmt::format("{} {}", object.type, object.track)];
+      row.name = fmt::format("{} {}", object.type, object.track);
+      ++row.in_view;
+      row.found += frame.score.objects[i].found;
+      if (!frame.score.objects[i].found) row.missed_in.push_back(frame.truth.name);
+      for (const auto& verdict : frame.score.obstacles) {
+        if (verdict.object == static_cast<int>(i)) {
+          row.range_errors.push_back(verdict.range_error_m / verdict.near_range_m);
+        }
+      }
+    }
+  }
+  std::vector<ObjectRow> ordered;
+  for (auto& entry : rows) ordered.push_back(std::move(entry.second));
+  return ordered;
+}
+
+void print_table(const std::string& title, const std::vector<ObjectRow>& rows) {
+  fmt::print("\n{}\n{:<16} {:>8} {:>6} {:>12}  {}\n", title, "object", "in view", "found", "range error", "missed in");
+  for (const auto& row : rows) {
+    fmt::print("{:<16} {:>8} {:>6} {:>12}  {}\n", row.name, row.in_view, row.found, percent(median(row.range_errors)),
+               fmt::join(row.missed_in, " "));
+  }
+}
+
+void print_summary(const std::vector<ScoredFrame>& frames) {
+  std::vector<FrameTruth> truths;
+  std::vector<FrameScore> scores;
+  for (const auto& frame : frames) {
+    truths.push_back(frame.truth);
+    scores.push_back(frame.score);
+  }
+  const Measures measures = summarize(truths, scores);
+  fmt::print("recall {}, precision {}, range error {}, obstacles a frame {:.1f}\n", percent(measures.recall),
+             percent(measures.precision), percent(measures.range_error), measures.obstacles_per_frame);
+}
+
+}  // namespace flies::blackbox

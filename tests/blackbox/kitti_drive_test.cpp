@@ -1,0 +1,57 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "flies/eval/kitti_truth.hpp"
+#include "flies/io/calibration.hpp"
+#include "tests/blackbox/blackbox.hpp"
+
+namespace flies::blackbox {
+namespace {
+
+// The promise of the preset `default`: the two nearest road users of drive 0005, in nine of ten frames.
+constexpr double kMinFound = 0.9;
+constexpr double kMinPrecision = 0.9;  // of all obstacles against lidar, far below what is usual: catches nonsense
+constexpr const char* kDay = "kitti_raw/2011_09_26";
+constexpr const char* kDrive = "2011_09_26_drive_0005_sync";
+constexpr const char* kMustFind[] = {"Cyclist 1", "Van 0"};
+
+// Expected misses: the pedestrian of frames 0-3 walks out of the right image border; the van of track 3 comes into
+// range at 40 m, partly behind street furniture.
+TEST(BlackBoxKittiDrive, FindsTheCyclistAndTheVanInNineOfTenFrames) {
+  const auto day = find_data(kDay);
+  if (!day) GTEST_SKIP() << absence(kDay);
+  const auto drive = *day / kDrive;
+  CalibrationRequest request;
+  request.cameras = {0, 1};
+  StereoCamera camera = load_calibration((*day / "calib_cam_to_cam.txt").string(), request).camera;
+  Detector detector(camera);
+
+  std::vector<ScoredFrame> frames;
+  for (auto& truth : read_kitti_drive(drive, camera, 0)) {
+    const std::string file = truth.name + ".png";
+    frames.push_back(detect_and_score(detector, drive / "image_00" / "data" / file, drive / "image_01" / "data" / file,
+                                      std::move(truth)));
+  }
+  const auto rows = tabulate(frames);
+  print_table("KITTI drive 0005, grey pairs", rows);
+  print_summary(frames);
+
+  for (const std::string name : kMustFind) {
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const ObjectRow& r) { return r.name == name; });
+    ASSERT_NE(row, rows.end()) << name << " is not in the labels";
+    EXPECT_GE(row->found, kMinFound * row->in_view) << name;
+  }
+  Rate precision;
+  for (const auto& frame : frames) {
+    for (const auto& verdict : frame.score.obstacles) {
+      precision.hits += verdict.right;
+      ++precision.total;
+    }
+  }
+  ASSERT_GT(precision.total, 0);
+  EXPECT_GE(*precision.value(), kMinPrecision);
+}
+
+}  // namespace
+}  // namespace flies::blackbox
