@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "flies/synth/scene.hpp"
+
+namespace flies::synth {
+
+/// Random streams of the scene, one per kind of thing, so that asking for one more car leaves the people as they are.
+inline constexpr std::uint32_t kPeoplePurpose = 101;
+inline constexpr std::uint32_t kCarsPurpose = 102;
+inline constexpr std::uint32_t kPolesPurpose = 103;
+inline constexpr std::uint32_t kTreesPurpose = 104;
+inline constexpr std::uint32_t kHousesPurpose = 105;
+
+/// Puts a mesh made around its own origin into the scene and measures it.
+SceneObject stand(ObjectClass kind, const Mesh& mesh, const Placement& placement);
+
+/// Road between kerbs, pavements, houses on both sides, and the cars, poles, trees and people asked for. With
+/// `SceneKind::crossing` a zebra crossing lies across the road and half the people walk on it.
+std::vector<SceneObject> street(const SceneOptions& options);
+
+/// Road with lane markings between flat verges; nothing stands on it.
+std::vector<SceneObject> country_road(const SceneOptions& options);
+
+}  // namespace flies::synth

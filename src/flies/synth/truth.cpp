@@ -1,0 +1,89 @@
+#include "flies/synth/truth.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace flies {
+namespace {
+
+const char* kitti_type(ObjectClass kind) {
+  switch (kind) {
+    case ObjectClass::pedestrian:
+      return "Pedestrian";
+    case ObjectClass::car:
+      return "Car";
+    case ObjectClass::wall:
+    case ObjectClass::ground:
+    case ObjectClass::backdrop:
+      return "DontCare";
+    case ObjectClass::hedge:
+    case ObjectClass::pole:
+    case ObjectClass::tree:
+      return "Misc";
+  }
+  return "Misc";
+}
+
+double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * std::numbers::pi); }
+
+std::string box_text(const ImageBox& box) {
+  return fmt::format("{:.2f} {:.2f} {:.2f} {:.2f}", box.u_px, box.v_px, box.u_px + box.width_px,
+                     box.v_px + box.height_px);
+}
+
+std::string json_box(const ImageBox& box) {
+  return fmt::format(R"({{"u_px": {:.3f}, "v_px": {:.3f}, "width_px": {:.3f}, "height_px": {:.3f}}})", box.u_px,
+                     box.v_px, box.width_px, box.height_px);
+}
+
+}  // namespace
+
+std::string kitti_labels(const std::vector<TruthObject>& objects, const StereoCamera& camera) {
+  const Projection projection(camera);
+  std::string text;
+  for (const auto& object : objects) {
+    if (object.visible_px == 0) continue;
+    const std::string type = kitti_type(object.kind);
+    if (type == "DontCare") {
+      text += fmt::format("DontCare -1 -1 -10 {} -1 -1 -1 -1000 -1000 -1000 -10\n", box_text(object.box));
+      continue;
+    }
+    const Point3 foot{object.x_m, object.y_m, object.z_m};
+    const double depth_m = projection.depth_m(foot);
+    if (depth_m <= 0.0) continue;
+    const StereoPoint image = projection.project(foot);
+    const double right_m = (image.u_px - camera.cx_px) / camera.fx_px * depth_m;
+    const double down_m = (image.v_px - camera.cy_px) / camera.fy_px * depth_m;
+    // KITTI measures the heading about the camera's downward axis from its rightward one; ours is about the upward
+    // axis from the forward one.
+    const double heading_rad = wrapped(-object.yaw_rad - std::numbers::pi / 2.0);
+    const double alpha_rad = wrapped(heading_rad - std::atan2(right_m, depth_m));
+    const int occluded = object.occlusion < 0.15 ? 0 : object.occlusion < 0.5 ? 1 : 2;
+    text += fmt::format("{} {:.2f} {} {:.2f} {} {:.2f} {:.2f} {:.2f} {:.3f} {:.3f} {:.3f} {:.2f}\n", type,
+                        object.truncation, occluded, alpha_rad, box_text(object.box), object.height_m, object.width_m,
+                        object.length_m, right_m, down_m, depth_m, heading_rad);
+  }
+  return text;
+}
+
+std::string truth_json(const std::vector<TruthObject>& objects, const StereoCamera& camera, std::uint64_t seed) {
+  std::string text = fmt::format("{{\"seed\": {}, \"width_px\": {}, \"height_px\": {},\n \"objects\": [", seed,
+                                 camera.width_px, camera.height_px);
+  const char* separator = "\n";
+  for (const auto& o : objects) {
+    text += separator;
+    separator = ",\n";
+    text += fmt::format(
+        R"(  {{"class": "{}", "x_m": {:.4f}, "y_m": {:.4f}, "z_m": {:.4f}, "yaw_rad": {:.4f}, "length_m": {:.4f}, )"
+        R"("width_m": {:.4f}, "height_m": {:.4f}, "range_m": {:.4f}, "near_range_m": {:.4f}, "box": {}, )"
+        R"("whole_box": {}, "truncation": {:.4f}, "occlusion": {:.4f}, "visible_px": {}}})",
+        kObjectClassNames[static_cast<std::size_t>(o.kind)], o.x_m, o.y_m, o.z_m, o.yaw_rad, o.length_m, o.width_m,
+        o.height_m, std::hypot(o.x_m, o.y_m), o.near_range_m, json_box(o.box), json_box(o.whole_box), o.truncation,
+        o.occlusion, o.visible_px);
+  }
+  return text + "\n ]}\n";
+}
+
+}  // namespace flies
