@@ -1,21 +1,11 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "flies/core/gray_view.hpp"
+#include "flies/io/gray_image.hpp"
 
 namespace flies {
-
-/// 8-bit grey image that owns its pixels, row-major without gaps.
-struct GrayImage {
-  int width_px = 0;
-  int height_px = 0;
-  std::vector<std::uint8_t> pixels;  ///< width_px * height_px
-
-  GrayView view() const { return {pixels.data(), width_px, height_px, width_px}; }
-};
 
 /// 8-bit colour image, red, green, blue interleaved, row-major without gaps.
 struct ColorImage {

@@ -7,21 +7,6 @@ float smooth_step(float t) { return t * t * t * (t * (t * 6.0F - 15.0F) + 10.0F)
 
 }  // namespace
 
-std::uint32_t lattice_hash(int x, int y, int z, std::uint32_t seed) {
-  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x8DA6B343u ^ static_cast<std::uint32_t>(y) * 0xD8163841u ^
-                    static_cast<std::uint32_t>(z) * 0xCB1AB31Fu ^ seed * 0x9E3779B9u;
-  // Finaliser of MurmurHash3.
-  h ^= h >> 16;
-  h *= 0x85EBCA6Bu;
-  h ^= h >> 13;
-  h *= 0xC2B2AE35u;
-  return h ^ (h >> 16);
-}
-
-float lattice_value(int x, int y, int z, std::uint32_t seed) {
-  return static_cast<float>(lattice_hash(x, y, z, seed) >> 8) * 0x1p-24F;
-}
-
 float value_noise(const Vec3& p, std::uint32_t seed) {
   const float fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
   const int x = static_cast<int>(fx), y = static_cast<int>(fy), z = static_cast<int>(fz);
