@@ -24,14 +24,10 @@ struct TopView {
   double pixels_per_m = 18.0;  ///< 2..100
 };
 
-/// Colours shared by all pictures, BGR. Near is red and far is blue; low fitness is blue and high is red.
+/// Colours shared by all pictures, BGR. Near is red and far, from 40 m on, is blue. Flies have the colours of
+/// `fitness_color` (io), which the point clouds have too.
 cv::Scalar range_color(double range_m);
-cv::Scalar fitness_color(double fraction);  ///< of the top of the scale, clamped to 0..1
 inline const cv::Scalar kPedestrianColor{255, 0, 255};
-
-/// Fitness at the top of the colour scale: the 98th percentile of the flies above zero, because the largest values
-/// are so rare that they would leave all others blue. 1 when no fly has fitness.
-double fitness_scale(const std::vector<float>& fitness);
 
 /// Boxes of the obstacles, coloured by range and labelled with it, and of the pedestrians.
 cv::Mat draw_overlay(const cv::Mat& left, const std::vector<Obstacle>& obstacles,

@@ -63,15 +63,6 @@ TEST(RangeColor, GoesFromRedToBlue) {
   EXPECT_EQ(range_color(500), far);
 }
 
-TEST(FitnessScale, IgnoresRareExtremesAndZeros) {
-  std::vector<float> fitness(200, 1.0F);
-  fitness.insert(fitness.end(), 200, 0.0F);
-  fitness.push_back(1e9F);
-  EXPECT_DOUBLE_EQ(fitness_scale(fitness), 1.0);
-  EXPECT_DOUBLE_EQ(fitness_scale({}), 1.0);
-  EXPECT_DOUBLE_EQ(fitness_scale({0.0F, std::numeric_limits<float>::quiet_NaN()}), 1.0);
-}
-
 TEST(DrawOverlay, DrawsTheBoxOfANearObstacleInRed) {
   const cv::Mat picture = draw_overlay(kStreet, {obstacle_at(3, 0)}, {});
   ASSERT_EQ(picture.type(), CV_8UC3);

@@ -5,6 +5,7 @@
 #include "flies/draw/draw.hpp"
 #include "flies/draw/paint.hpp"
 #include "flies/draw/top_view.hpp"
+#include "flies/io/fitness_color.hpp"
 
 namespace flies {
 namespace {
@@ -20,7 +21,7 @@ constexpr int kMaxColumnWidth_px = 840;
 void put_fitness_bar(cv::Mat& canvas, cv::Point corner, double top_fitness, const cv::Scalar& text_color) {
   put_text(canvas, "fitness", {corner.x, corner.y + 14}, text_color);
   const cv::Rect bar(corner.x + 62, corner.y + 5, 150, 10);
-  put_color_bar(canvas, bar, fitness_color);
+  put_color_bar(canvas, bar, fitness_bgr);
   put_text(canvas, "0", {bar.x - 2, corner.y + 29}, text_color, 0.36);
   const std::string high = short_number(top_fitness) + " and more";
   put_text(canvas, high, {bar.br().x - 20, corner.y + 29}, text_color, 0.36);
@@ -35,11 +36,11 @@ cv::Mat image_with_flies(const cv::Mat& left, const Population& flies, const Ste
   const double scale = std::min(1.0, max_width_px / double(image.cols));
   if (scale < 1.0) cv::resize(image, image, {}, scale, scale, cv::INTER_AREA);
   const Projection projection(camera);
-  const double top = fitness_scale(flies.fitness);
+  const double top = full_scale_fitness(flies.fitness);
   for (const std::size_t i : ascending(flies.fitness)) {
     if (!(projection.depth_m(flies.point(i)) > 0.0)) continue;
     const StereoPoint at = projection.project(flies.point(i));
-    cv::circle(image, pixel(scale * at.u_px, scale * at.v_px), 2, fitness_color(flies.fitness[i] / top), cv::FILLED,
+    cv::circle(image, pixel(scale * at.u_px, scale * at.v_px), 2, fitness_bgr(flies.fitness[i] / top), cv::FILLED,
                cv::LINE_AA);
   }
   return image;
@@ -55,7 +56,7 @@ cv::Mat draw_column(const cv::Mat& left, const StereoCamera& camera, const Title
   cv::Mat canvas(plot.area.br().y + kBottomMargin_px, width_px, CV_8UC3, kWhite);
   put_text(canvas, column.title, {8, 22}, kInk, 0.65);
   if (!image.empty()) image.copyTo(canvas(cv::Rect(0, image_top, image.cols, image.rows)));
-  put_fitness_bar(canvas, {8, bar_top}, fitness_scale(column.flies.fitness), kInk);
+  put_fitness_bar(canvas, {8, bar_top}, full_scale_fitness(column.flies.fitness), kInk);
   put_grid(canvas, plot, "bird's-eye view");
   put_flies(canvas, plot, column.flies, 1.0);
   put_field_of_view(canvas, plot, camera);
@@ -66,7 +67,7 @@ cv::Mat draw_column(const cv::Mat& left, const StereoCamera& camera, const Title
 
 cv::Mat draw_flies(const cv::Mat& left, const Population& flies, const StereoCamera& camera, const std::string& title) {
   cv::Mat canvas = with_strip(image_with_flies(left, flies, camera), kStripHeight_px, kMinWidth_px);
-  put_fitness_bar(canvas, {8, left.rows}, fitness_scale(flies.fitness), kWhite);
+  put_fitness_bar(canvas, {8, left.rows}, full_scale_fitness(flies.fitness), kWhite);
   put_text(canvas, title, {320, left.rows + 15}, kWhite);
   return canvas;
 }

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "flies/draw/draw.hpp"
+#include "flies/io/fitness_color.hpp"
 
 namespace flies {
 namespace {
@@ -32,17 +33,6 @@ cv::Scalar turbo(double fraction) {
 }  // namespace
 
 cv::Scalar range_color(double range_m) { return turbo(1.0 - range_m / kFarthestColored_m); }
-cv::Scalar fitness_color(double fraction) { return turbo(fraction); }
-
-double fitness_scale(const std::vector<float>& fitness) {
-  std::vector<float> positive;
-  std::copy_if(fitness.begin(), fitness.end(), std::back_inserter(positive),
-               [](float value) { return std::isfinite(value) && value > 0.0F; });
-  if (positive.empty()) return 1.0;
-  const auto rank = positive.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(positive.size() - 1));
-  std::nth_element(positive.begin(), rank, positive.end());
-  return *rank;
-}
 
 }  // namespace flies
 
@@ -135,6 +125,11 @@ void LabelPlacer::put(cv::Mat& canvas, const std::string& text, const cv::Rect& 
     put_outlined_text(canvas, text, {left, top + size.height}, color, outline_);
     return;
   }
+}
+
+cv::Scalar fitness_bgr(double relative_fitness) {
+  const auto [red, green, blue] = fitness_color(relative_fitness);
+  return {double(blue), double(green), double(red)};
 }
 
 void put_color_bar(cv::Mat& canvas, const cv::Rect& bar, const std::function<cv::Scalar(double)>& color) {

@@ -60,6 +60,9 @@ class LabelPlacer {
   std::vector<cv::Rect> taken_;
 };
 
+/// `fitness_color` as OpenCV takes it.
+cv::Scalar fitness_bgr(double relative_fitness);
+
 /// A horizontal colour bar; `color` maps 0..1 along it.
 void put_color_bar(cv::Mat& canvas, const cv::Rect& bar, const std::function<cv::Scalar(double)>& color);
 

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "flies/draw/paint.hpp"
+#include "flies/io/fitness_color.hpp"
 
 namespace flies {
 namespace paint {
@@ -73,9 +74,9 @@ void put_field_of_view(cv::Mat& canvas, const GroundPlot& plot, const StereoCame
 
 void put_flies(cv::Mat& canvas, const GroundPlot& plot, const Population& flies, double strength) {
   cv::Mat ground = canvas(plot.area);
-  const double top = fitness_scale(flies.fitness);
+  const double top = full_scale_fitness(flies.fitness);
   for (const std::size_t i : ascending(flies.fitness)) {
-    const cv::Scalar color = fitness_color(flies.fitness[i] / top) * strength + kPaper * (1.0 - strength);
+    const cv::Scalar color = fitness_bgr(flies.fitness[i] / top) * strength + kPaper * (1.0 - strength);
     cv::circle(ground, plot.at(flies.x_m[i], flies.y_m[i]), 1, color, cv::FILLED);
   }
 }
@@ -125,7 +126,7 @@ void put_top_view_legend(cv::Mat& canvas, const GroundPlot& plot, bool has_flies
   top += 32;
   if (has_flies) {
     heading("flies, fitness");
-    bar_with_ends(fitness_color, "low", "high");
+    bar_with_ends(fitness_bgr, "low", "high");
   }
   cv::line(canvas, {left, top + 6}, {left + 14, top + 6}, {170, 140, 90}, 1);
   put_text(canvas, "field of view", {left + 22, top + 10}, kInk);
