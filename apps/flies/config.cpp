@@ -1,0 +1,59 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "commands.hpp"
+#include "flies/core/options.hpp"
+#include "flies/io/options_yaml.hpp"
+#include "method_arguments.hpp"
+#include "standard_output.hpp"
+
+namespace {
+
+struct ConfigArguments {
+  MethodArguments method;
+  bool list = false;
+};
+
+/// Name, value, what is allowed and meaning of every option, a line each.
+std::string option_table(const flies::DetectorOptions& options) {
+  const auto listings = flies::list_options(options);
+  std::size_t path_width = 6, value_width = 5, allowed_width = 7;
+  for (const auto& listing : listings) {
+    path_width = std::max(path_width, listing.path.size());
+    value_width = std::max(value_width, listing.value.size());
+    allowed_width = std::max(allowed_width, listing.allowed.size());
+  }
+  std::string table;
+  const auto add_line = [&](const auto& path, const auto& value, const auto& allowed, const auto& meaning) {
+    table += fmt::format("{:<{}}  {:<{}}  {:<{}}  {}\n", path, path_width, value, value_width, allowed, allowed_width,
+                         meaning);
+  };
+  add_line("option", "value", "allowed", "meaning");
+  for (const auto& listing : listings) add_line(listing.path, listing.value, listing.allowed, listing.meaning);
+  return table;
+}
+
+void run_config(const ConfigArguments& arguments) {
+  const flies::DetectorOptions options = effective_options(arguments.method);
+  print(arguments.list ? option_table(options) : flies::options_yaml(flies::list_options(options)));
+}
+
+}  // namespace
+
+void setup_config(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("config", "print the effective options of the method");
+  const auto arguments = std::make_shared<ConfigArguments>();
+  command->add_flag("--list", arguments->list, "a table of every option: value, what is allowed, meaning");
+  add_method_options(*command, arguments->method);
+  command->footer(
+      "\nThe options are those of the preset, overruled by --options FILE, overruled by options on the\n"
+      "command line such as --evolve.flies 3000. The YAML that is printed can be fed back by --options.\n"
+      "\nExample:\n"
+      "  flies config --preset paper --evolve.generations 2 > mine.yaml\n"
+      "  flies detect left.png right.png --calib calib.txt --options mine.yaml\n"
+      "\nExit status: 0 done, 2 an unknown option or a value that is not allowed.");
+  command->callback([arguments] { run_config(*arguments); });
+}

@@ -1,0 +1,211 @@
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <array>
+#include <charconv>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "detect_outputs.hpp"
+#include "detect_pictures.hpp"
+#include "flies/core/error.hpp"
+#include "flies/io/calibration.hpp"
+#include "flies/io/images.hpp"
+#include "flies/io/output_file.hpp"
+#include "flies/io/pair_check.hpp"
+#include "flies/io/pair_source.hpp"
+#include "flies/io/writers.hpp"
+#include "flies/pipeline/detector.hpp"
+#include "method_arguments.hpp"
+#include "notes.hpp"
+#include "progress_bar.hpp"
+#include "result_table.hpp"
+#include "standard_output.hpp"
+
+namespace {
+
+struct DetectArguments {
+  std::string left, right;
+  std::string calib, right_calib, cameras;
+  std::optional<double> camera_height_m, camera_pitch_deg, camera_roll_deg;
+  std::string model;
+  MethodArguments method;
+  DetectOutputs outputs;
+};
+
+/// "2,3" -> {2, 3}.
+std::array<int, 2> parse_cameras(const std::string& text) {
+  std::array<int, 2> cameras{};
+  const char* const end = text.data() + text.size();
+  const auto [after_left, left_error] = std::from_chars(text.data(), end, cameras[0]);
+  if (left_error == std::errc{} && after_left != end && *after_left == ',') {
+    const auto [after_right, right_error] = std::from_chars(after_left + 1, end, cameras[1]);
+    if (right_error == std::errc{} && after_right == end) return cameras;
+  }
+  throw flies::InputError("command line", "--cameras",
+                          fmt::format("found '{}', expected two camera numbers such as 0,1", text));
+}
+
+flies::CalibrationRequest calibration_request(const DetectArguments& arguments, const flies::PairPaths& pair,
+                                              const flies::RectifiedPair& images) {
+  flies::CalibrationRequest request;
+  request.right_path = arguments.right_calib;
+  request.cameras = arguments.cameras.empty() ? flies::kitti_cameras_from_paths(pair.left, pair.right)
+                                              : parse_cameras(arguments.cameras);
+  request.width_px = images.left.width_px;
+  request.height_px = images.left.height_px;
+  request.camera_height_m = arguments.camera_height_m;
+  if (arguments.camera_pitch_deg) request.camera_pitch_rad = flies::radians(*arguments.camera_pitch_deg);
+  if (arguments.camera_roll_deg) request.camera_roll_rad = flies::radians(*arguments.camera_roll_deg);
+  return request;
+}
+
+std::vector<std::string> other_inputs(const DetectArguments& arguments) {
+  std::vector<std::string> inputs = {arguments.calib};
+  for (const auto& path : {arguments.right_calib, arguments.method.options_file})
+    if (!path.empty()) inputs.push_back(path);
+  return inputs;
+}
+
+std::vector<std::string> calibration_notes(const flies::Calibration& calibration, const std::string& path) {
+  std::vector<std::string> notes;
+  for (const auto& note : calibration.notes) notes.push_back(path + ": " + note);
+  if (!calibration.has_height)
+    notes.push_back(fmt::format("{} does not give the camera height; assuming {:.2f} m (set it by --camera-height)",
+                                path, calibration.camera.mount.height_m));
+  return notes;
+}
+
+/// The files of one pair, each whole or not at all.
+void write_frame(const ProcessedFrame& frame, const std::string& name, const DetectOutputs& outputs, bool is_single) {
+  const auto write_picture = [&](const std::string& path, const auto& draw) {
+    if (!path.empty()) flies::write_png(path_of_frame(path, name, is_single), draw(frame));
+  };
+  write_picture(outputs.overlay, overlay_picture);
+  write_picture(outputs.top_view, top_view_picture);
+  write_picture(outputs.flies, fitness_picture);
+  write_picture(outputs.histogram, histogram_picture);
+  write_picture(outputs.concentrating, concentrating_picture);
+  if (!outputs.ply.empty())
+    flies::write_file(path_of_frame(outputs.ply, name, is_single), flies::ply_text(frame.detection->evolved.flies));
+}
+
+void run_detect(const DetectArguments& arguments) {
+  const flies::DetectorOptions options = effective_options(arguments.method);
+  const flies::PeopleModel model =
+      arguments.model.empty() ? flies::builtin_people_model() : flies::people_model(arguments.model);
+  const auto pairs = flies::find_pairs(arguments.left, arguments.right);
+  const bool is_single = pairs.size() == 1;
+  check_outputs(arguments.outputs, pairs, other_inputs(arguments));
+
+  std::optional<tbb::global_control> thread_limit;
+  if (options.threads > 0)
+    thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
+
+  flies::GrayPair images = flies::load_pair(pairs[0].left, pairs[0].right);
+  flies::Calibration calibration =
+      flies::load_calibration(arguments.calib, calibration_request(arguments, pairs[0], images.view()));
+  std::optional<flies::Detector> detector;
+  std::optional<flies::OutputFile> json, csv;
+  if (!arguments.outputs.json.empty()) json.emplace(arguments.outputs.json);
+  if (!arguments.outputs.csv.empty()) csv.emplace(arguments.outputs.csv).write(flies::csv_header());
+
+  const ProgressBar progress(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto& [left_path, right_path] = pairs[i];
+    if (i > 0) images = flies::load_pair(left_path, right_path);
+    if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+    const flies::RectifiedPair pair = images.view();
+    flies::check_camera_fits(calibration.camera, pair.left.width_px, pair.left.height_px,
+                             i == 0 ? arguments.calib : left_path);
+    if (i == 0) {
+      calibration.camera.width_px = pair.left.width_px;
+      calibration.camera.height_px = pair.left.height_px;
+      flies::check_true_pair(pair, calibration.camera, left_path, right_path);
+      detector.emplace(calibration.camera, options, model);
+    }
+
+    const flies::Detection detection = detector->process(pair);
+
+    const flies::FrameRecord record{.frame = static_cast<int>(i),
+                                    .left = left_path,
+                                    .right = right_path,
+                                    .seed = options.seed,
+                                    .preset = arguments.method.preset,
+                                    .obstacles = detection.obstacles,
+                                    .pedestrians = detection.pedestrians,
+                                    .stage_ms = detection.stage_ms};
+    if (json) json->write(flies::json_line(record));
+    if (csv) csv->write(flies::csv_rows(record));
+    if (!arguments.outputs.any()) print(result_table(record));
+    write_frame({pair, calibration.camera, options, &detection, static_cast<std::uint32_t>(i)}, file_stem(left_path),
+                arguments.outputs, is_single);
+    if (i == 0) say_notes(calibration_notes(calibration, arguments.calib));
+    progress.show(i + 1);
+  }
+  if (json) json->commit();
+  if (csv) csv->commit();
+}
+
+void add_input_options(CLI::App& command, DetectArguments& arguments) {
+  command.add_option("LEFT", arguments.left, "left image, or a folder of left images")->required();
+  command.add_option("RIGHT", arguments.right, "right image, or a folder; the images pair up in name order")
+      ->required();
+  command.add_option("--calib", arguments.calib, "calibration of the pair; see `flies calib --help`")
+      ->type_name("FILE")
+      ->required();
+  command.add_option("--right-calib", arguments.right_calib, "second file, where left and right have one each")
+      ->type_name("FILE");
+  command.add_option("--cameras", arguments.cameras, "KITTI cameras, e.g. 0,1; else by image path, else 2,3")
+      ->type_name("L,R");
+  command.add_option("--camera-height", arguments.camera_height_m, "of the left camera above the road, metres")
+      ->type_name("M");
+  command.add_option("--camera-pitch", arguments.camera_pitch_deg, "degrees, positive when it looks down")
+      ->type_name("DEG");
+  command.add_option("--camera-roll", arguments.camera_roll_deg, "degrees, positive when it leans to the right")
+      ->type_name("DEG");
+}
+
+void add_output_options(CLI::App& command, DetectOutputs& outputs) {
+  const auto add = [&](const char* name, std::string& path, const char* meaning, const char* type) {
+    command.add_option(name, path, meaning)->type_name(type)->group("Output");
+  };
+  add("--json", outputs.json, "one JSON object a line, a line a pair; - is standard output", "FILE");
+  add("--csv", outputs.csv, "one line an obstacle or pedestrian; - is standard output", "FILE");
+  add("--ply", outputs.ply, "flies as a point cloud, coloured by fitness", "FILE");
+  add("--overlay", outputs.overlay, "boxes and ranges on the left image", "PNG");
+  add("--top-view", outputs.top_view, "bird's-eye view with a grid in metres", "PNG");
+  add("--flies", outputs.flies, "random flies coloured by fitness, Eq. (1) and Eq. (2)", "PNG");
+  add("--histogram", outputs.histogram, "view-angle of the surest pedestrian, else obstacle: fitness over x", "PNG");
+  add("--concentrating", outputs.concentrating, "sample points, objects kept, boxes to classify", "PNG");
+}
+
+}  // namespace
+
+void setup_detect(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("detect", "find obstacles and pedestrians in pairs of images");
+  const auto arguments = std::make_shared<DetectArguments>();
+  add_input_options(*command, *arguments);
+  add_method_options(*command, arguments->method);
+  command->add_option("--model", arguments->model, "people model: opencv-48x96 (default), opencv-64x128 or a file")
+      ->type_name("NAME|FILE")
+      ->group("Method");
+  add_output_options(*command, arguments->outputs);
+  command->footer(
+      "\nImages are PNG, JPEG, PGM or TIFF, grey or colour, 8 or 16 bit. Every option of the method can be\n"
+      "given by its dotted name, e.g. --evolve.flies 3000; `flies config --list` prints them all with their\n"
+      "range, default and meaning. The preset is overruled by --options FILE, and that by the command line.\n"
+      "Without output options a table is printed. On folders, files written per pair carry the name of the\n"
+      "left image: --overlay found.png writes found_0000000012.png. Files appear when they are complete.\n"
+      "\nExamples:\n"
+      "  flies detect left.png right.png --calib calib.txt\n"
+      "  flies detect image_00/data image_01/data --calib calib_cam_to_cam.txt --json found.jsonl\n"
+      "  flies detect left.png right.png --calib calib.txt --overlay found.png --top-view above.png\n"
+      "\nExit status: 0 done, also when nothing was found; 2 a fault in the input, told in one line.");
+  command->callback([arguments] { run_detect(*arguments); });
+}

@@ -1,0 +1,109 @@
+#include "detect_pictures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "flies/concentrate/concentrate.hpp"
+#include "flies/draw/draw.hpp"
+#include "flies/evolve/evolve.hpp"
+
+namespace {
+
+struct Equation {
+  flies::FitnessFunction function;
+  const char* title;
+};
+constexpr std::array<Equation, 2> kEquations = {{{flies::FitnessFunction::louchet, "Eq. (1), louchet"},
+                                                 {flies::FitnessFunction::covariance, "Eq. (2), covariance"}}};
+
+/// The first, random flies of this frame, scored by `function`. Their places depend on the seed alone, so that two
+/// functions score the same flies.
+flies::Population first_flies(const ProcessedFrame& frame, flies::FitnessFunction function) {
+  flies::FitnessOptions fitness = frame.options.fitness;
+  fitness.function = function;
+  flies::EvolveOptions evolve = frame.options.evolve;
+  evolve.generations = 0;
+  evolve.steering_share = 0.0;
+  return flies::evolve(frame.pair, flies::Projection(frame.camera), frame.detection->road.plane, frame.options.field,
+                       fitness, evolve, {frame.options.seed, frame.index})
+      .flies;
+}
+
+/// The field of detection, drawn `height_px` high.
+flies::TopView top_view(const ProcessedFrame& frame, double height_px) {
+  const auto& field = frame.options.field;
+  flies::TopView view;
+  view.max_x_m = 5.0 * std::ceil(field.x_max_m / 5.0);
+  view.half_width_m = std::min(std::max(std::abs(field.y_min_m), std::abs(field.y_max_m)), view.max_x_m);
+  view.pixels_per_m = height_px / view.max_x_m;
+  return view;
+}
+
+struct Aim {
+  double x_m, y_m;
+  const char* label;
+};
+
+/// What the histogram looks at; nothing when nothing was found.
+std::optional<Aim> best_found(const flies::Detection& detection) {
+  const auto by_score = [](const auto& a, const auto& b) { return a.score < b.score; };
+  const auto& people = detection.pedestrians;
+  if (const auto best = std::max_element(people.begin(), people.end(), by_score); best != people.end())
+    return Aim{best->x_m, best->y_m, "pedestrian"};
+  const auto& obstacles = detection.obstacles;
+  if (const auto best = std::max_element(obstacles.begin(), obstacles.end(), by_score); best != obstacles.end())
+    return Aim{best->x_m, best->y_m, "obstacle"};
+  return std::nullopt;
+}
+
+}  // namespace
+
+cv::Mat ProcessedFrame::left() const {
+  // OpenCV has no view of constant pixels; nobody writes through this one.
+  return {pair.left.height_px, pair.left.width_px, CV_8UC1, const_cast<std::uint8_t*>(pair.left.data),
+          static_cast<std::size_t>(pair.left.stride)};
+}
+
+cv::Mat overlay_picture(const ProcessedFrame& frame) {
+  return flies::draw_overlay(frame.left(), frame.detection->obstacles, frame.detection->pedestrians);
+}
+
+cv::Mat top_view_picture(const ProcessedFrame& frame) {
+  return flies::draw_top_view(frame.camera, frame.detection->evolved.flies, frame.detection->obstacles,
+                              frame.detection->pedestrians, top_view(frame, 800));
+}
+
+cv::Mat concentrating_picture(const ProcessedFrame& frame) {
+  return flies::draw_concentrating(frame.left(), frame.detection->concentrate, frame.detection->rois);
+}
+
+cv::Mat fitness_picture(const ProcessedFrame& frame) {
+  std::vector<flies::TitledFlies> columns;
+  for (const auto& [function, title] : kEquations) columns.push_back({title, first_flies(frame, function)});
+  return flies::draw_fitness_comparison(frame.left(), frame.camera, columns, top_view(frame, 640));
+}
+
+cv::Mat histogram_picture(const ProcessedFrame& frame) {
+  const auto aim = best_found(*frame.detection);
+  const double azimuth_rad = aim ? std::atan2(aim->y_m, aim->x_m) : 0.0;
+  std::vector<flies::HistogramPlot> plots;
+  for (const auto& [function, title] : kEquations) {
+    const auto sampling =
+        flies::sample_histograms(first_flies(frame, function), frame.options.field, frame.options.concentrate);
+    flies::HistogramPlot plot;
+    plot.title = title;
+    plot.axis = sampling.axis;
+    for (const auto& angle : sampling.view_angles)
+      if (azimuth_rad >= angle.min_azimuth_rad && azimuth_rad < angle.max_azimuth_rad) plot.view_angle = angle;
+    if (aim) {
+      plot.marked_x_m = aim->x_m;
+      plot.mark_label = aim->label;
+    }
+    plots.push_back(plot);
+  }
+  return flies::draw_histograms(plots);
+}

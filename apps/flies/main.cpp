@@ -1,0 +1,106 @@
+#include <fmt/format.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "exit_status.hpp"
+#include "flies/core/error.hpp"
+#include "flies/core/options.hpp"
+#include "standard_output.hpp"
+
+namespace {
+
+/// Keeps an error on one line, whatever a file name or a library's message holds.
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  return text;
+}
+
+int complain(const std::string& message, int status) {
+  std::fprintf(stderr, "flies: %s\n", one_line(message).c_str());
+  return status;
+}
+
+/// The subcommand that was being read, for the hint where help is found.
+std::string help_command(const CLI::App& app) {
+  const auto subcommands = app.get_subcommands();
+  return subcommands.empty() ? "flies --help" : "flies " + subcommands.front()->get_name() + " --help";
+}
+
+/// What was not understood, with the nearest name when it looks like a misspelt option.
+std::string unexpected_argument(const CLI::App& app) {
+  const auto extras = app.remaining(true);
+  const auto subcommands = app.get_subcommands();
+  for (const auto& extra : extras) {
+    if (!extra.starts_with("--")) continue;
+    std::vector<std::string> known;
+    for (const auto* option : (subcommands.empty() ? app : *subcommands.front()).get_options())
+      for (const auto& name : option->get_lnames()) known.push_back("--" + name);
+    return fmt::format("unknown option {}; did you mean {}?", extra, flies::nearest_name(extra, known));
+  }
+  return fmt::format("unexpected argument '{}'", extras.empty() ? "" : extras.front());
+}
+
+void setup(CLI::App& app) {
+  app.name("flies");
+  app.description(
+      "Finds obstacles and pedestrians in a rectified stereo pair by the flies method\n"
+      "(Li, Toulminet, Nashashibi 2010). Positions are metres in the vehicle frame:\n"
+      "x forward, y left, z up, origin on the ground below the left camera.");
+  app.footer(
+      "\nExamples:\n"
+      "  flies synth street                     render a street with known truth\n"
+      "  flies detect left.png right.png --calib calib.txt --overlay found.png\n"
+      "  flies calib calib.txt                  what a calibration file says\n"
+      "  flies config --list                    every option of the method\n"
+      "\nExit status: 0 done, also when nothing was found, and for this help; 2 a fault in the\n"
+      "input or the command line, told in one line; 1 a fault of the program itself.");
+  app.set_version_flag("--version", "flies " FLIES_VERSION);
+  app.require_subcommand(0, 1);
+  setup_detect(app);
+  setup_calib(app);
+  setup_synth(app);
+  setup_config(app);
+  setup_info(app);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app;
+  setup(app);
+  try {
+    app.parse(argc, argv);
+    if (app.get_subcommands().empty()) print(app.help());
+    flush_standard_output();
+    return kExitSuccess;
+  } catch (const CLI::Success& request) {  // --help or --version
+    app.exit(request);
+    flush_standard_output();
+    return kExitSuccess;
+  } catch (const CLI::ExtrasError&) {
+    return complain("command line: " + unexpected_argument(app) + "; try '" + help_command(app) + "'", kExitInputFault);
+  } catch (const CLI::ParseError& error) {
+    return complain("command line: " + std::string(error.what()) + "; try '" + help_command(app) + "'",
+                    kExitInputFault);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+#ifdef SIGXFSZ
+  // A file size limit then fails the write, which is reported, instead of killing the process.
+  std::signal(SIGXFSZ, SIG_IGN);
+#endif
+  try {
+    return run(argc, argv);
+  } catch (const flies::InputError& error) {
+    return complain(error.what(), kExitInputFault);
+  } catch (const std::exception& error) {
+    return complain(std::string("internal error: ") + error.what(), kExitInternalFault);
+  }
+}

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "flies/pipeline/detector.hpp"
+
+/// The options of the method as given on a command line, unchecked.
+struct MethodArguments {
+  std::string preset = "default";
+  std::string options_file;
+  std::vector<std::pair<std::string, std::string>> overrides;  ///< dotted name and text, in no particular order
+};
+
+/// Adds --preset, --options, --seed, --threads and, hidden from the help because there are so many, every other option
+/// of the method by its dotted name. `arguments` must outlive the parsing.
+void add_method_options(CLI::App& app, MethodArguments& arguments);
+
+/// Preset, then the YAML file, then the command line; the later one wins.
+/// @throws flies::InputError on an unknown preset, an unreadable file, an unknown option or a value out of range
+flies::DetectorOptions effective_options(const MethodArguments& arguments);
