@@ -1,6 +1,5 @@
 #include "flies/classify/classify.hpp"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -14,11 +13,12 @@
 namespace flies {
 namespace {
 
-/// Pixels of the resized image around the window, so that the gradients at the window's edge are real. One would do
-/// for the gradients, but the features of a block are interpolated in the image only at whole pixels: no more needed.
+/// Pixels kept around the window after resizing, so that the gradients at its edge are real.
 constexpr int kMargin_px = 1;
-/// A window needs some pixels to be worth a look; below, the resizing would invent all of them.
+/// Below this there is nothing to see: resizing would invent all pixels.
 constexpr double kMinWindow_px = 4.0;
+/// Beyond this many times the image the window holds nothing but repeated border.
+constexpr double kMaxWindowPerImage = 8.0;
 
 cv::HOGDescriptor hog_of(const PeopleModel& model) {
   constexpr int kAperture = 1;
@@ -32,24 +32,29 @@ cv::HOGDescriptor hog_of(const PeopleModel& model) {
 bool worth_a_look(const ImageBox& box, const cv::Size& image) {
   const bool finite =
       std::isfinite(box.u_px) && std::isfinite(box.v_px) && std::isfinite(box.width_px) && std::isfinite(box.height_px);
-  return finite && box.width_px >= kMinWindow_px / 2.0 && box.height_px >= kMinWindow_px && box.u_px < image.width &&
-         box.v_px < image.height && box.u_px + box.width_px > 0.0 && box.v_px + box.height_px > 0.0;
+  const bool sized = box.width_px >= kMinWindow_px / 2.0 && box.height_px >= kMinWindow_px &&
+                     box.width_px <= kMaxWindowPerImage * image.width &&
+                     box.height_px <= kMaxWindowPerImage * image.height;
+  return finite && sized && box.u_px < image.width && box.v_px < image.height && box.u_px + box.width_px > 0.0 &&
+         box.v_px + box.height_px > 0.0;
 }
 
-/// The window and its margin, resized so that the window has the model's size.
+/// The box and its margin, resized so that the box has the model's size.
 cv::Mat window_pixels(const cv::Mat& image, const ImageBox& box, const PeopleModel& model) {
-  const double scale_u = box.width_px / model.window_width_px, scale_v = box.height_px / model.window_height_px;
-  const int left = cvFloor(box.u_px - kMargin_px * scale_u), top = cvFloor(box.v_px - kMargin_px * scale_v);
-  const int right = cvCeil(box.u_px + box.width_px + kMargin_px * scale_u);
-  const int bottom = cvCeil(box.v_px + box.height_px + kMargin_px * scale_v);
-  const cv::Rect inside = cv::Rect(left, top, right - left, bottom - top) & cv::Rect({}, image.size());
-  cv::Mat crop;
-  cv::copyMakeBorder(image(inside), crop, inside.y - top, bottom - inside.br().y, inside.x - left,
-                     right - inside.br().x, cv::BORDER_REPLICATE);
-  cv::Mat resized;
-  cv::resize(crop, resized, {model.window_width_px + 2 * kMargin_px, model.window_height_px + 2 * kMargin_px}, 0, 0,
+  const double margin_u_px = kMargin_px * box.width_px / model.window_width_px;
+  const double margin_v_px = kMargin_px * box.height_px / model.window_height_px;
+  const int left = cvFloor(box.u_px - margin_u_px), right = cvCeil(box.u_px + box.width_px + margin_u_px);
+  const int top = cvFloor(box.v_px - margin_v_px), bottom = cvCeil(box.v_px + box.height_px + margin_v_px);
+  const cv::Rect wanted(left, top, right - left, bottom - top);
+  const cv::Rect inside = wanted & cv::Rect({}, image.size());
+  cv::Mat crop = image(inside);
+  if (inside != wanted)
+    cv::copyMakeBorder(image(inside), crop, inside.y - top, bottom - inside.br().y, inside.x - left,
+                       right - inside.br().x, cv::BORDER_REPLICATE);
+  cv::Mat pixels;
+  cv::resize(crop, pixels, {model.window_width_px + 2 * kMargin_px, model.window_height_px + 2 * kMargin_px}, 0, 0,
              box.height_px > model.window_height_px ? cv::INTER_AREA : cv::INTER_LINEAR);
-  return resized;
+  return pixels;
 }
 
 double score_window(const cv::Mat& image, const ImageBox& box, const PeopleModel& model, const cv::HOGDescriptor& hog) {
@@ -59,19 +64,19 @@ double score_window(const cv::Mat& image, const ImageBox& box, const PeopleModel
   return std::inner_product(features.begin(), features.end(), model.weights.begin(), model.bias);
 }
 
-double intersection_over_union(const ImageBox& a, const ImageBox& b) {
+/// Share of the smaller box that the other one covers.
+double overlap(const ImageBox& a, const ImageBox& b) {
   const double width = std::min(a.u_px + a.width_px, b.u_px + b.width_px) - std::max(a.u_px, b.u_px);
   const double height = std::min(a.v_px + a.height_px, b.v_px + b.height_px) - std::max(a.v_px, b.v_px);
   if (width <= 0.0 || height <= 0.0) return 0.0;
-  const double both = width * height;
-  return both / (a.width_px * a.height_px + b.width_px * b.height_px - both);
+  return width * height / std::min(a.width_px * a.height_px, b.width_px * b.height_px);
 }
 
 /// Whether the two verdicts speak of one person. Side by side people differ across the line of sight; in depth the
 /// obstacles of one person scatter, so the radius grows with range, and boxes that cover the same part of the image
 /// are one person at any range: nobody is seen through another.
 bool same_person(const Pedestrian& a, const Pedestrian& b, const ClassifyOptions& options) {
-  if (intersection_over_union(a.box, b.box) > options.max_overlap) return true;
+  if (overlap(a.box, b.box) > options.max_overlap) return true;
   const double across_m =
       std::abs(std::atan2(a.y_m, a.x_m) - std::atan2(b.y_m, b.x_m)) * std::min(a.range_m, b.range_m);
   const double deep_m = std::abs(a.range_m - b.range_m);
@@ -86,10 +91,8 @@ std::vector<double> score_rois(const GrayView& left, std::span<const Roi> rois, 
                       static_cast<std::size_t>(left.stride));
   const cv::HOGDescriptor hog = hog_of(model);
   std::vector<double> scores(rois.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rois.size()), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i)
-      scores[i] = score_window(image, rois[i].window, model, hog);
-  });
+  tbb::parallel_for(std::size_t{0}, rois.size(),
+                    [&](std::size_t i) { scores[i] = score_window(image, rois[i].window, model, hog); });
   return scores;
 }
 

@@ -15,7 +15,7 @@ struct ClassifyOptions {
   double threshold_offset = 0.0;
   double lateral_radius_m = 0.4;
   double depth_radius = 0.15;
-  double max_overlap = 0.4;
+  double max_overlap = 0.6;
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
@@ -26,8 +26,8 @@ struct ClassifyOptions {
     field("depth_radius", self.depth_radius, Range{0.0, 1.0},
           "of two verdicts closer in depth than this share of their range, and close sideways, the surer is kept");
     field("max_overlap", self.max_overlap, Range{0.0, 1.0},
-          "of two verdicts whose persons overlap more than this in the image (intersection over union), at whatever "
-          "range, the surer is kept");
+          "of two verdicts, at whatever range, of which one covers more than this share of the other in the image, the "
+          "surer is kept");
   }
 };
 

@@ -25,16 +25,16 @@ struct Roi {
 struct ProposeOptions {
   double min_height_m = 1.0;
   double max_height_m = 2.1;
-  int heights = 6;
+  int heights = 5;
   double lateral_step_m = 0.2;
   double lateral_margin_m = 0.2;
   double max_lateral_m = 1.0;
   int vertical_shifts = 1;
-  double vertical_step = 0.06;
-  double person_share = 0.75;
-  double min_person_px = 40.0;
+  double vertical_step = 0.08;
+  double person_share = 0.8;
+  double min_person_px = 50.0;
   double min_obstacle_height_m = 0.6;
-  double merge_step = 0.03;
+  double merge_step = 0.05;
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
