@@ -1,0 +1,72 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <optional>
+#include <string>
+
+#include "flies/core/error.hpp"
+
+namespace flies::testing {
+
+/// A fresh folder, removed with everything in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "flies-io-XXXXXX").string();
+    path_ = ::mkdtemp(pattern.data());
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+  std::string write(const std::string& name, const std::string& content) const {
+    std::ofstream(path_ / name, std::ios::binary) << content;
+    return file(name);
+  }
+  std::size_t count() const {
+    const std::filesystem::directory_iterator entries(path_);
+    return static_cast<std::size_t>(std::distance(begin(entries), end(entries)));
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline std::string read_all(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// The message of the InputError that `call` throws; "no error" when it throws none.
+inline std::string error_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// The folder of real data, if there is one.
+inline std::optional<std::filesystem::path> test_data() {
+  const char* given = std::getenv("FLIES_TEST_DATA");
+  const char* source = std::getenv("FLIES_SOURCE_DIR");
+  const auto folder = given != nullptr    ? std::filesystem::path(given)
+                      : source != nullptr ? std::filesystem::path(source) / ".." / "shared" / "data"
+                                          : std::filesystem::path();
+  if (folder.empty() || !std::filesystem::is_directory(folder / "kitti_raw")) return std::nullopt;
+  return folder;
+}
+
+}  // namespace flies::testing
