@@ -1,6 +1,6 @@
 // 01: one call. Reads a stereo pair and its calibration, and prints what stands on the road.
 //
-//   01_detect LEFT RIGHT CALIB      e.g. left.png right.png calib.txt
+//   01_detect LEFT RIGHT CALIB      e.g. left.png right.png calib.yaml
 //
 // 02_stages.cpp takes the call apart, 03_own_options.cpp changes its settings.
 #include <cstdio>
