@@ -21,14 +21,15 @@ constexpr std::string_view kOpencv64 = "opencv-64x128";
 constexpr int kMaxWindow_px = 1024;
 constexpr int kMaxBins = 64;
 
-/// Chosen on real street pairs (docs/people.md): down to here people are still lost slowly and false alarms fast.
-constexpr double kOpencvThreshold = 0.8;
+/// Chosen on real street pairs (docs/people.md): up to here false alarms fall faster than people are lost.
+constexpr double kThreshold48 = 1.0;
+constexpr double kThreshold64 = 0.0;
 
 /// OpenCV's weights end with the bias.
-PeopleModel from_opencv(std::string_view name, std::vector<float> weights_and_bias) {
+PeopleModel from_opencv(std::string_view name, double threshold, std::vector<float> weights_and_bias) {
   PeopleModel model;
   model.name = name;
-  model.threshold = kOpencvThreshold;
+  model.threshold = threshold;
   model.bias = weights_and_bias.back();
   weights_and_bias.pop_back();
   model.weights = std::move(weights_and_bias);
@@ -36,7 +37,7 @@ PeopleModel from_opencv(std::string_view name, std::vector<float> weights_and_bi
 }
 
 PeopleModel opencv_64x128() {
-  PeopleModel model = from_opencv(kOpencv64, cv::HOGDescriptor::getDefaultPeopleDetector());
+  PeopleModel model = from_opencv(kOpencv64, kThreshold64, cv::HOGDescriptor::getDefaultPeopleDetector());
   model.window_width_px = 64;
   model.window_height_px = 128;
   return model;
@@ -143,7 +144,9 @@ void check_people_model(const PeopleModel& model, const std::string& source) {
       throw InputError(source, field, fmt::format("found {}, expected a finite number", value));
 }
 
-PeopleModel builtin_people_model() { return from_opencv(kOpencv48, cv::HOGDescriptor::getDaimlerPeopleDetector()); }
+PeopleModel builtin_people_model() {
+  return from_opencv(kOpencv48, kThreshold48, cv::HOGDescriptor::getDaimlerPeopleDetector());
+}
 
 PeopleModel people_model(std::string_view name_or_path) {
   if (name_or_path == kOpencv48) return builtin_people_model();
