@@ -48,7 +48,7 @@ std::vector<FrameTruth> parse_foot_points(std::string_view text, const std::stri
       frames.push_back(std::move(empty));
     }
     const Point3 foot = vehicle_from_left_camera(camera, projection, {values[7], values[8], values[9]});
-    TruthObject person;
+    LabelledObject person;
     person.type = "Pedestrian";
     person.track = static_cast<int>(values[1]);
     person.footprint = {foot.x_m, foot.y_m, 0.0, kPersonFootprint_m, kPersonFootprint_m};

@@ -13,6 +13,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
+#include "flies/io/number_table.hpp"
 
 namespace flies {
 namespace {
@@ -30,33 +31,6 @@ std::vector<std::string> split_words(const std::string& line) {
   std::istringstream stream(line);
   return {std::istream_iterator<std::string>(stream), {}};
 }
-
-/// "KEY: number number ..." lines. Lines with other values (dates) are kept out.
-class CalibrationFile {
- public:
-  explicit CalibrationFile(const std::filesystem::path& path) : source_(path.string()) {
-    std::istringstream stream(detail::read_file(path));
-    for (std::string line; std::getline(stream, line);) {
-      const auto colon = line.find(':');
-      if (colon != std::string::npos) words_[line.substr(0, colon)] = split_words(line.substr(colon + 1));
-    }
-  }
-
-  std::vector<double> numbers(const std::string& key, std::size_t count) const {
-    const auto found = words_.find(key);
-    if (found == words_.end()) throw InputError(source_, key, "not found in the file");
-    if (found->second.size() != count) {
-      throw InputError(source_, key, fmt::format("found {} numbers, expected {}", found->second.size(), count));
-    }
-    std::vector<double> values;
-    for (const auto& word : found->second) values.push_back(parse_number(word, source_, key));
-    return values;
-  }
-
- private:
-  std::string source_;
-  std::map<std::string, std::vector<std::string>> words_;
-};
 
 Point3 rotate(const Matrix3& m, const Point3& p) {
   const auto row = [&](std::size_t i) { return m[i][0] * p.x_m + m[i][1] * p.y_m + m[i][2] * p.z_m; };
@@ -92,21 +66,22 @@ struct LidarPlace {
 };
 
 LidarPlace read_drive_place(const std::filesystem::path& day, int left_camera) {
-  const CalibrationFile lidar(day / "calib_velo_to_cam.txt"), cameras(day / "calib_cam_to_cam.txt");
-  const auto shift = lidar.numbers("T", 3);
-  return {matrix3(lidar.numbers("R", 9), 3),
+  const NumberTable lidar = read_number_table((day / "calib_velo_to_cam.txt").string());
+  const NumberTable cameras = read_number_table((day / "calib_cam_to_cam.txt").string());
+  const auto shift = lidar.require("T", 3);
+  return {matrix3(lidar.require("R", 9), 3),
           {shift[0], shift[1], shift[2]},
-          matrix3(cameras.numbers("R_rect_00", 9), 3),
-          left_camera_offset(cameras.numbers(fmt::format("P_rect_{:02}", left_camera), 12))};
+          matrix3(cameras.require("R_rect_00", 9), 3),
+          left_camera_offset(cameras.require(fmt::format("P_rect_{:02}", left_camera), 12))};
 }
 
 LidarPlace read_object_place(const std::filesystem::path& file) {
-  const CalibrationFile calibration(file);
-  const auto lidar = calibration.numbers("Tr_velo_to_cam", 12);
+  const NumberTable calibration = read_number_table(file.string());
+  const auto lidar = calibration.require("Tr_velo_to_cam", 12);
   return {matrix3(lidar, 4),
           {lidar[3], lidar[7], lidar[11]},
-          matrix3(calibration.numbers("R0_rect", 9), 3),
-          left_camera_offset(calibration.numbers("P2", 12))};
+          matrix3(calibration.require("R0_rect", 9), 3),
+          left_camera_offset(calibration.require("P2", 12))};
 }
 
 std::vector<LidarPoint> read_lidar(const std::filesystem::path& path, const LidarPlace& place,
@@ -129,7 +104,7 @@ std::vector<LidarPoint> read_lidar(const std::filesystem::path& path, const Lida
 }
 
 /// Places a box given by its bottom centre and a second point along its heading, both in the left camera's frame.
-void place_object(const StereoCamera& camera, const Point3& centre, const Point3& ahead, TruthObject& object) {
+void place_object(const StereoCamera& camera, const Point3& centre, const Point3& ahead, LabelledObject& object) {
   const Projection projection(camera);
   const Point3 base = vehicle_from_left_camera(camera, projection, centre);
   const Point3 tip = vehicle_from_left_camera(camera, projection, ahead);
@@ -157,8 +132,8 @@ void check_has_size(const StereoCamera& camera) {
   throw InputError("camera of the labels", "width_px, height_px", "found none, expected the size of the left image");
 }
 
-TruthObject place_tracklet(const TrackletPose& pose, const LidarPlace& place, const StereoCamera& camera) {
-  TruthObject object{pose.type, pose.track, {0, 0, 0, pose.length_m, pose.width_m}};
+LabelledObject place_tracklet(const TrackletPose& pose, const LidarPlace& place, const StereoCamera& camera) {
+  LabelledObject object{pose.type, pose.track, {0, 0, 0, pose.length_m, pose.width_m}};
   object.height_m = pose.height_m;
   object.occlusion = pose.occlusion < 0 ? kOcclusionUnknown : pose.occlusion;
   const Point3 ahead =
@@ -268,7 +243,7 @@ FrameTruth read_kitti_object(const std::filesystem::path& folder, const std::str
   truth.lidar = read_lidar(folder / "velodyne" / (name + ".bin"), place, camera);
   int line = 0;
   for (const auto& label : parse_labels(detail::read_file(label_path), label_path.string())) {
-    TruthObject object{label.type, line++, {0, 0, 0, label.length_m, label.width_m}};
+    LabelledObject object{label.type, line++, {0, 0, 0, label.length_m, label.width_m}};
     object.height_m = label.height_m;
     object.occlusion = label.occlusion;
     object.truncation = label.truncation;

@@ -34,7 +34,7 @@ std::optional<double> median(std::vector<double> values) {
   return quantile(std::move(values), 0.5);
 }
 
-double near_face_m(const FrameTruth& truth, const TruthObject& object, const Obstacle& obstacle) {
+double near_face_m(const FrameTruth& truth, const LabelledObject& object, const Obstacle& obstacle) {
   const double azimuth = std::atan2(obstacle.y_m, obstacle.x_m);
   std::vector<double> all, ahead;
   for (const auto& lidar : truth.lidar) {
@@ -125,7 +125,7 @@ std::vector<Obstacle> as_obstacles(std::span<const Pedestrian> pedestrians) {
   return obstacles;
 }
 
-bool is_person(const TruthObject& object) {
+bool is_person(const LabelledObject& object) {
   return object.type == "Pedestrian" || object.type == "Cyclist" || object.type == "Person_sitting" ||
          object.type == "Person (sitting)";
 }

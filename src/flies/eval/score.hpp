@@ -88,7 +88,7 @@ struct RecallPart {
 struct MissedObject {
   int frame = 0;
   std::string frame_name;
-  TruthObject object;
+  LabelledObject object;
 };
 
 /// Accuracy over many frames. Medians are empty where nothing could be measured.
@@ -112,7 +112,7 @@ inline constexpr std::array<double, 5> kRangeBands_m = {5.0, 10.0, 20.0, 30.0, 4
 inline constexpr double kPeopleReach_m = 30.0;
 
 /// True for the classes of people, on foot or on a cycle.
-bool is_person(const TruthObject& object);
+bool is_person(const LabelledObject& object);
 
 /// Sums the verdicts up. `truths` and `scores` go together, frame by frame.
 Measures summarize(std::span<const FrameTruth> truths, std::span<const FrameScore> scores);

@@ -18,8 +18,8 @@ Obstacle obstacle_at(double x_m, double y_m) {
   return obstacle;
 }
 
-TruthObject object_at(const std::string& type, double x_m, double y_m, double length_m, double width_m) {
-  TruthObject object;
+LabelledObject object_at(const std::string& type, double x_m, double y_m, double length_m, double width_m) {
+  LabelledObject object;
   object.type = type;
   object.footprint = {x_m, y_m, 0.0, length_m, width_m};
   object.height_m = 1.6;

@@ -7,7 +7,8 @@
 /// Reading of the small text files that truth comes in.
 namespace flies::detail {
 
-/// The whole file. @throws InputError when it cannot be read
+/// The whole file, which may be empty: a picture without labels, a scan without returns. @throws InputError when it
+/// cannot be read
 std::string read_file(const std::filesystem::path& path);
 
 /// A finite number that fills the whole text. @throws InputError naming `source` and `field`

@@ -87,7 +87,7 @@ struct PixelRectangle {
   double area() const { return std::max(0.0, right - left) * std::max(0.0, bottom - top); }
 };
 
-PixelRectangle project_box(const Projection& projection, const TruthObject& object) {
+PixelRectangle project_box(const Projection& projection, const LabelledObject& object) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   PixelRectangle box{kInfinity, kInfinity, -kInfinity, -kInfinity};
   const Footprint& base = object.footprint;
@@ -138,7 +138,7 @@ std::vector<LidarPoint> measure_above_road(std::span<const Point3> points) {
   return measured;
 }
 
-bool is_on_object(const TruthObject& object, const LidarPoint& lidar) {
+bool is_on_object(const LabelledObject& object, const LidarPoint& lidar) {
   return lidar.above_road_m > kClearOfRoad_m && lidar.point.z_m < object.bottom_z_m + object.height_m + kLabelSlack_m &&
          distance_to_footprint_m(object.footprint, lidar.point.x_m, lidar.point.y_m) <= kLabelSlack_m;
 }
@@ -153,7 +153,7 @@ void measure_visibility(const StereoCamera& camera, FrameTruth& truth) {
   }
 }
 
-double free_fraction(const StereoCamera& camera, const FrameTruth& truth, const TruthObject& object) {
+double free_fraction(const StereoCamera& camera, const FrameTruth& truth, const LabelledObject& object) {
   constexpr int kSamples = 24;  // along each side: about 4 % of the box a row
   const Projection projection(camera);
   const PixelRectangle box = clip_to_image(camera, project_box(projection, object));

@@ -10,7 +10,7 @@
 namespace flies {
 
 /// A labelled object of one frame.
-struct TruthObject {
+struct LabelledObject {
   std::string type;  ///< as the labels say: "Car", "Van", "Pedestrian", "Cyclist", ...
   int track = -1;    ///< number of its track or of its line in the label file
   Footprint footprint;
@@ -33,7 +33,7 @@ struct LidarPoint {
 struct FrameTruth {
   int frame = 0;
   std::string name;  ///< file name stem of its left image
-  std::vector<TruthObject> objects;
+  std::vector<LabelledObject> objects;
   std::vector<LidarPoint> lidar;  ///< empty when there was none
 };
 
@@ -49,10 +49,10 @@ std::vector<LidarPoint> measure_above_road(std::span<const Point3> points);
 void measure_visibility(const StereoCamera& camera, FrameTruth& truth);
 
 /// Fraction of the object's projected box that nearer objects of the frame leave free, 0 to 1.
-double free_fraction(const StereoCamera& camera, const FrameTruth& truth, const TruthObject& object);
+double free_fraction(const StereoCamera& camera, const FrameTruth& truth, const LabelledObject& object);
 
 /// True when the lidar point belongs to the object: inside its box, grown by 0.1 m for label noise, and clear of the
 /// road.
-bool is_on_object(const TruthObject& object, const LidarPoint& lidar);
+bool is_on_object(const LabelledObject& object, const LidarPoint& lidar);
 
 }  // namespace flies

@@ -12,6 +12,7 @@
 #include "flies/core/error.hpp"
 #include "flies/eval/foot_truth.hpp"
 #include "flies/eval/kitti_truth.hpp"
+#include "flies/eval/scene_truth.hpp"
 
 namespace flies {
 namespace {
@@ -129,6 +130,36 @@ TEST(ParseFootPoints, NamesTheLine) {
   EXPECT_THAT(parse("1,1,1,1,1,1,1,1,1,-3\n"), testing::HasSubstr("found Z -3"));
 }
 
+constexpr const char* kScene = R"({"seed": 1, "objects": [
+  {"class": "pedestrian", "x_m": 9.0, "y_m": -1.0, "z_m": 0.1, "yaw_rad": 0.2, "length_m": 0.5, "width_m": 0.6,
+   "height_m": 1.7, "truncation": 0.0, "occlusion": 0.2, "visible_px": 900},
+  {"class": "car", "x_m": 19.0, "y_m": 1.0, "z_m": 0.0, "yaw_rad": 0.0, "length_m": 4.0, "width_m": 1.8,
+   "height_m": 1.5, "truncation": 0.0, "occlusion": 0.7, "visible_px": 800},
+  {"class": "wall", "x_m": 30.0, "y_m": 9.0, "z_m": 0.0, "yaw_rad": 0.0, "length_m": 40.0, "width_m": 0.5,
+   "height_m": 8.0, "truncation": 0.0, "occlusion": 0.0, "visible_px": 9000}]})";
+
+TEST(ParseSceneTruth, AsksForRoadUsersThatAreMostlySeen) {
+  const FrameTruth truth = parse_scene_truth(kScene, "truth.json");
+  ASSERT_EQ(truth.objects.size(), 3u);
+  EXPECT_EQ(truth.objects[0].type, "Pedestrian");
+  EXPECT_EQ(truth.objects[0].footprint.y_m, -1.0);
+  EXPECT_EQ(truth.objects[0].footprint.width_m, 0.6);
+  EXPECT_EQ(truth.objects[0].bottom_z_m, 0.1);
+  EXPECT_EQ(truth.objects[0].height_m, 1.7);
+  EXPECT_EQ(truth.objects[0].occlusion, 1);
+  EXPECT_TRUE(truth.objects[0].visible);
+  EXPECT_EQ(truth.objects[1].type, "Car");
+  EXPECT_FALSE(truth.objects[1].visible);  // 70 % hidden
+  EXPECT_FALSE(truth.objects[2].visible);  // a wall may be reported, but where along it is nobody's fault
+}
+
+TEST(ParseSceneTruth, NamesFileAndObject) {
+  EXPECT_THAT(complaint([] { parse_scene_truth("{", "s.json"); }), testing::HasSubstr("s.json: not JSON"));
+  EXPECT_THAT(complaint([] { parse_scene_truth("[1]", "s.json"); }), testing::HasSubstr("s.json: objects"));
+  EXPECT_THAT(complaint([] { parse_scene_truth(R"({"objects": [{"class": "car"}]})", "s.json"); }),
+              testing::HasSubstr("s.json: objects[0].x_m"));
+}
+
 TEST(VehicleFromLeftCamera, SwapsTheAxesAndAddsTheHeight) {
   const auto camera = level_camera();
   const Point3 point = vehicle_from_left_camera(camera, Projection(camera), {2.0, 1.65, 10.0});
@@ -181,8 +212,8 @@ TEST(MeasureAboveRoad, KeepsTheNominalGroundWithoutPoints) {
   EXPECT_NEAR(measure_above_road(std::vector<Point3>{{10.0, 0.0, 1.0}})[0].above_road_m, 1.0, kExact);
 }
 
-TruthObject post_at(double x_m, double y_m) {
-  TruthObject object;
+LabelledObject post_at(double x_m, double y_m) {
+  LabelledObject object;
   object.footprint = {x_m, y_m, 0.0, 1.0, 1.0};
   object.height_m = 1.65;
   return object;

@@ -1,0 +1,69 @@
+#include "flies/eval/scene_truth.hpp"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <nlohmann/json.hpp>
+
+#include "flies/core/error.hpp"
+#include "flies/eval/text.hpp"
+
+namespace flies {
+namespace {
+
+constexpr double kPartlyHidden = 0.15, kLargelyHidden = 0.5;  // as the labels in KITTI's format are written
+constexpr double kMaxTruncation = 0.5;
+constexpr double kMinVisible_px = 100;  // a person at 40 m covers about 300
+
+double number(const nlohmann::json& object, const char* key, const std::string& source, const std::string& where) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_number()) {
+    throw InputError(source, where + "." + key, "found none, expected a number");
+  }
+  return found->get<double>();
+}
+
+int occlusion_level(double hidden) { return hidden < kPartlyHidden ? 0 : hidden < kLargelyHidden ? 1 : 2; }
+
+}  // namespace
+
+FrameTruth parse_scene_truth(std::string_view text, const std::string& source) {
+  const auto scene = nlohmann::json::parse(text.begin(), text.end(), nullptr, false);
+  if (scene.is_discarded()) throw InputError(source, "", "not JSON");
+  if (!scene.is_object() || !scene.contains("objects") || !scene["objects"].is_array()) {
+    throw InputError(source, "objects", "found none, expected a list");
+  }
+  FrameTruth truth;
+  for (const auto& entry : scene["objects"]) {
+    const std::string where = fmt::format("objects[{}]", truth.objects.size());
+    if (!entry.is_object() || !entry.contains("class") || !entry["class"].is_string()) {
+      throw InputError(source, where + ".class", "found none, expected a text");
+    }
+    const auto value = [&](const char* key) { return number(entry, key, source, where); };
+    LabelledObject object;
+    object.type = entry["class"].get<std::string>();
+    const bool is_background = object.type == "wall" || object.type == "hedge";
+    if (!object.type.empty()) {
+      object.type[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(object.type[0])));
+    }
+    object.track = static_cast<int>(truth.objects.size());
+    object.footprint = {value("x_m"), value("y_m"), value("yaw_rad"), value("length_m"), value("width_m")};
+    object.bottom_z_m = value("z_m");
+    object.height_m = value("height_m");
+    object.truncation = value("truncation");
+    object.in_view_fraction = 1.0 - object.truncation;
+    object.occlusion = occlusion_level(value("occlusion"));
+    object.visible = !is_background && value("occlusion") < kLargelyHidden && object.truncation <= kMaxTruncation &&
+                     value("visible_px") >= kMinVisible_px;
+    truth.objects.push_back(std::move(object));
+  }
+  return truth;
+}
+
+FrameTruth read_scene_truth(const std::filesystem::path& file) {
+  FrameTruth truth = parse_scene_truth(detail::read_file(file), file.string());
+  truth.name = file.stem().string();
+  return truth;
+}
+
+}  // namespace flies
