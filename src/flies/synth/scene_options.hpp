@@ -32,8 +32,8 @@ struct SceneOptions {
   double people_min_range_m = 6.0;
   double people_max_range_m = 30.0;
   double children = 0.15;
-  double sun_elevation_deg = 52.0;
-  double sun_azimuth_deg = 150.0;
+  double sun_elevation_deg = 55.0;
+  double sun_azimuth_deg = 115.0;
   double sun_strength = 1.0;
   double ambient = 0.55;
   double texture_contrast = 1.0;
