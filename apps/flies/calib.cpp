@@ -21,6 +21,7 @@ struct CalibArguments {
   std::vector<int> size_px;
   std::optional<double> camera_height_m;
   std::optional<double> camera_pitch_deg;
+  std::optional<double> camera_roll_deg;
   bool json = false;
 };
 
@@ -34,6 +35,7 @@ flies::CalibrationRequest request_of(const CalibArguments& arguments) {
   }
   request.camera_height_m = arguments.camera_height_m;
   if (arguments.camera_pitch_deg) request.camera_pitch_rad = flies::radians(*arguments.camera_pitch_deg);
+  if (arguments.camera_roll_deg) request.camera_roll_rad = flies::radians(*arguments.camera_roll_deg);
   return request;
 }
 
@@ -117,7 +119,7 @@ void setup_calib(CLI::App& app) {
   CLI::App* command = app.add_subcommand("calib", "print what a calibration file says, in metres and pixels");
   const auto arguments = std::make_shared<CalibArguments>();
   command->add_option("FILE", arguments->file, "calibration; the format is recognised from its content")->required();
-  command->add_option("--right", arguments->right_file,
+  command->add_option("--right,--right-calib", arguments->right_file,
                       "second file: the right camera of a ROS pair, or OpenCV's other half\n"
                       "(intrinsics beside extrinsics)");
   command->add_option("--cameras", arguments->cameras, "left and right KITTI camera (default 2,3)")
@@ -132,6 +134,8 @@ void setup_calib(CLI::App& app) {
   command->add_option("--camera-height", arguments->camera_height_m, "metres above the road, overrules the file");
   command->add_option("--camera-pitch", arguments->camera_pitch_deg,
                       "degrees, positive looking down, overrules the file");
+  command->add_option("--camera-roll", arguments->camera_roll_deg,
+                      "degrees, positive with the left side raised, overrules the file");
   command->add_flag("--json", arguments->json, "print JSON instead of a table");
   command->footer(
       "\nFormats: KITTI object, raw and odometry, OpenCV stereo YAML or XML, ROS camera_info pair,\n"

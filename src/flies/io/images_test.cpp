@@ -1,1 +1,179 @@
+#include "flies/io/images.hpp"
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <limits>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "flies/io/temporary_folder.hpp"
+
+namespace flies {
+namespace {
+
+using flies::testing::error_of;
+using flies::testing::read_all;
+using flies::testing::TemporaryFolder;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr int kWidth_px = 96;
+constexpr int kHeight_px = 64;
+
+/// Noise of a seed, grey levels below `limit`.
+cv::Mat noise(int type, int seed, double limit, int width_px = kWidth_px) {
+  cv::Mat image(kHeight_px, width_px, type);
+  cv::RNG random(static_cast<std::uint64_t>(seed));
+  random.fill(image, cv::RNG::UNIFORM, 0.0, limit);
+  return image;
+}
+
+std::string save(const TemporaryFolder& folder, const std::string& name, const cv::Mat& image) {
+  const std::string path = folder.file(name);
+  EXPECT_TRUE(cv::imwrite(path, image)) << path;
+  return path;
+}
+
+TEST(LoadGrayImage, ReadsLosslessFormatsExactly) {
+  const TemporaryFolder folder;
+  const cv::Mat gray = noise(CV_8UC1, 1, 256);
+  for (const char* name : {"a.png", "a.pgm", "a.tif"}) {
+    const auto image = load_gray_image(save(folder, name, gray));
+    ASSERT_EQ(image.width_px, kWidth_px) << name;
+    ASSERT_EQ(image.height_px, kHeight_px) << name;
+    EXPECT_TRUE(std::equal(image.pixels.begin(), image.pixels.end(), gray.data)) << name;
+  }
+}
+
+TEST(LoadGrayImage, ReadsJpeg) {
+  const TemporaryFolder folder;
+  cv::Mat gray;
+  cv::GaussianBlur(noise(CV_8UC1, 1, 256), gray, {0, 0}, 3);
+  const auto image = load_gray_image(save(folder, "a.jpg", gray));
+  constexpr int kCompression_gray = 8;
+  for (int v = 0; v < kHeight_px; ++v)
+    for (int u = 0; u < kWidth_px; ++u)
+      ASSERT_NEAR(image.view().at(u, v), gray.at<std::uint8_t>(v, u), kCompression_gray);
+}
+
+TEST(LoadGrayImage, WeighsColoursAndIgnoresAlpha) {
+  const TemporaryFolder folder;
+  cv::Mat color(kHeight_px, kWidth_px, CV_8UC4, cv::Scalar(200, 100, 50, 17));
+  color.at<cv::Vec4b>(0, 0) = {0, 0, 0, 255};
+  const auto image = load_gray_image(save(folder, "a.png", color));
+  EXPECT_EQ(image.view().at(5, 5), 96);  // 0.114 * 200 + 0.587 * 100 + 0.299 * 50, ITU-R BT.601
+  EXPECT_EQ(image.view().at(0, 0), 0);
+}
+
+TEST(LoadPair, ShiftsBoth16BitImagesAlike) {
+  const TemporaryFolder folder;
+  cv::Mat left = noise(CV_16UC1, 1, 900), right = noise(CV_16UC1, 2, 900);
+  right.at<std::uint16_t>(3, 4) = 4095;  // 12 bits in all
+  left.at<std::uint16_t>(3, 4) = 800;
+  for (const char* extension : {".png", ".tif", ".pgm"}) {
+    const auto pair =
+        load_pair(save(folder, std::string("l") + extension, left), save(folder, std::string("r") + extension, right));
+    EXPECT_EQ(pair.bit_depth, 12) << extension;
+    EXPECT_EQ(pair.right.view().at(4, 3), 255) << extension;
+    EXPECT_EQ(pair.left.view().at(4, 3), 800 >> 4) << extension;
+  }
+}
+
+TEST(LoadPair, LeavesSmall16BitValuesUnshifted) {
+  const TemporaryFolder folder;
+  const cv::Mat left = noise(CV_16UC1, 1, 200);
+  const auto pair = load_pair(save(folder, "l.png", left), save(folder, "r.png", noise(CV_16UC1, 2, 200)));
+  EXPECT_EQ(pair.bit_depth, 8);
+  EXPECT_EQ(pair.left.view().at(7, 9), left.at<std::uint16_t>(9, 7));
+}
+
+TEST(LoadPair, RejectsPairsThatAreNone) {
+  const TemporaryFolder folder;
+  const auto left = save(folder, "left.png", noise(CV_8UC1, 1, 256));
+  const auto other_size = save(folder, "wide.png", noise(CV_8UC1, 2, 256, 100));
+  const auto other_depth = save(folder, "deep.png", noise(CV_16UC1, 2, 65536));
+  EXPECT_THAT(error_of([&] { load_pair(left, other_size); }),
+              AllOf(HasSubstr("wide.png"), HasSubstr("100 x 64"), HasSubstr("96 x 64")));
+  EXPECT_THAT(error_of([&] { load_pair(left, other_depth); }), AllOf(HasSubstr("16 bits"), HasSubstr("8 bits")));
+  EXPECT_THAT(error_of([&] { load_pair(left, left); }), HasSubstr("identical"));
+  const auto copy = folder.write("copy.png", read_all(left));
+  EXPECT_THAT(error_of([&] { load_pair(left, copy); }), AllOf(HasSubstr("copy.png"), HasSubstr("identical")));
+}
+
+TEST(LoadGrayImage, RejectsImagesWithoutContent) {
+  const TemporaryFolder folder;
+  const cv::Mat black(kHeight_px, kWidth_px, CV_8UC1, cv::Scalar(0)),
+      white(kHeight_px, kWidth_px, CV_8UC3, cv::Scalar::all(255));
+  EXPECT_THAT(error_of([&] { load_gray_image(save(folder, "black.png", black)); }),
+              AllOf(HasSubstr("black.png"), HasSubstr("grey level 0")));
+  EXPECT_THAT(error_of([&] { load_gray_image(save(folder, "white.jpg", white)); }), HasSubstr("grey level 255"));
+  EXPECT_THAT(error_of([&] { load_gray_image(save(folder, "dot.png", cv::Mat(1, 1, CV_8UC1, cv::Scalar(9)))); }),
+              HasSubstr("found 1 x 1 px"));
+  cv::Mat real(kHeight_px, kWidth_px, CV_32F, cv::Scalar(0.5));
+  EXPECT_THAT(error_of([&] { load_gray_image(save(folder, "real.tif", real)); }), HasSubstr("floating point"));
+  real.at<float>(2, 2) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(error_of([&] { load_gray_image(save(folder, "nan.tif", real)); }), HasSubstr("not finite"));
+}
+
+TEST(LoadGrayImage, RejectsWhatIsNoImage) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(error_of([&] { load_gray_image(folder.file("none.png")); }),
+              AllOf(HasSubstr("none.png"), HasSubstr("No such file")));
+  EXPECT_THAT(error_of([&] { load_gray_image(folder.file("")); }), HasSubstr("is a folder"));
+  EXPECT_THAT(error_of([&] { load_gray_image(folder.write("text.png", "Hello, this is text.")); }),
+              HasSubstr("is not an image"));
+  EXPECT_THAT(error_of([&] { load_gray_image(folder.write("empty.png", "")); }), HasSubstr("is empty"));
+}
+
+class ImageFormats : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(ImageFormats, AreRejectedWhenTruncatedAnywhere) {
+  const TemporaryFolder folder;
+  for (const int type : {CV_8UC1, CV_8UC3}) {
+    const std::string extension = GetParam();
+    if (extension == (type == CV_8UC3 ? ".pgm" : ".ppm")) continue;
+    const auto bytes = read_all(save(folder, "whole" + extension, noise(type, 1, 256)));
+    for (const double share : {0.1, 0.5, 0.9, 0.99}) {
+      const auto kept = static_cast<std::size_t>(share * static_cast<double>(bytes.size()));
+      const auto path = folder.write("cut" + extension, bytes.substr(0, kept));
+      ::testing::internal::CaptureStderr();
+      EXPECT_THAT(error_of([&] { load_gray_image(path); }), AllOf(HasSubstr("cut"), HasSubstr("truncated")))
+          << share << " of type " << type;
+      EXPECT_EQ(::testing::internal::GetCapturedStderr(), "") << share;
+    }
+    if (extension == ".tif") continue;  // ends with an offset that a single image does not need
+    const auto path = folder.write("cut" + extension, bytes.substr(0, bytes.size() - 1));
+    EXPECT_THAT(error_of([&] { load_gray_image(path); }), HasSubstr("truncated")) << "last byte";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, ImageFormats, ::testing::Values(".png", ".jpg", ".pgm", ".ppm", ".tif"),
+                         [](const auto& test) { return std::string(test.param).substr(1); });
+
+TEST(LoadGrayImage, AcceptsBytesBehindTheEndOfAJpeg) {
+  const TemporaryFolder folder;
+  const auto bytes = read_all(save(folder, "a.jpg", noise(CV_8UC1, 1, 256)));
+  EXPECT_EQ(load_gray_image(folder.write("b.jpg", bytes + "camera data")).width_px, kWidth_px);
+}
+
+TEST(LoadGrayImage, RejectsDamagedPng) {
+  const TemporaryFolder folder;
+  auto bytes = read_all(save(folder, "a.png", noise(CV_8UC1, 1, 256)));
+  bytes[bytes.size() / 2] = static_cast<char>(~bytes[bytes.size() / 2]);
+  EXPECT_THAT(error_of([&] { load_gray_image(folder.write("b.png", bytes)); }), HasSubstr("is damaged"));
+}
+
+TEST(LoadGrayImage, ReadsTextPgmWithComments) {
+  const TemporaryFolder folder;
+  std::string text = "P2 # a comment\n64 48\n255\n";
+  for (int i = 0; i < 64 * 48; ++i) text += std::to_string(i % 200) + (i % 16 == 15 ? "\n" : " ");
+  EXPECT_EQ(load_gray_image(folder.write("a.pgm", text)).view().at(5, 0), 5);
+  EXPECT_THAT(error_of([&] { load_gray_image(folder.write("b.pgm", text.substr(0, 5000))); }), HasSubstr("truncated"));
+}
+
+}  // namespace
+}  // namespace flies

@@ -1,1 +1,115 @@
+#include "flies/io/output_file.hpp"
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <utility>
+
+#include "flies/io/temporary_folder.hpp"
+
+namespace flies {
+namespace {
+
+using flies::testing::error_of;
+using flies::testing::read_all;
+using flies::testing::TemporaryFolder;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+TEST(OutputFile, AppearsOnlyWhenCommitted) {
+  const TemporaryFolder folder;
+  OutputFile file(folder.file("out.txt"));
+  file.write("one\n");
+  file.write("two\n");
+  EXPECT_FALSE(fs::exists(folder.file("out.txt")));
+  file.commit();
+  EXPECT_EQ(read_all(folder.file("out.txt")), "one\ntwo\n");
+  EXPECT_EQ(folder.count(), 1U);
+}
+
+TEST(OutputFile, LeavesNothingWithoutCommit) {
+  const TemporaryFolder folder;
+  { OutputFile(folder.file("out.txt")).write("half"); }
+  EXPECT_EQ(folder.count(), 0U);
+}
+
+TEST(OutputFile, KeepsTheOldFileWithoutCommit) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("out.txt", "old");
+  { OutputFile(path).write("half"); }
+  EXPECT_EQ(read_all(path), "old");
+  write_file(path, "new");
+  EXPECT_EQ(read_all(path), "new");
+  EXPECT_EQ(folder.count(), 1U);
+}
+
+TEST(OutputFile, CanBeMoved) {
+  const TemporaryFolder folder;
+  OutputFile first(folder.file("out.txt"));
+  OutputFile second(std::move(first));
+  second.write("x");
+  second.commit();
+  EXPECT_EQ(read_all(folder.file("out.txt")), "x");
+}
+
+TEST(OutputFile, FollowsLinks) {
+  const TemporaryFolder folder;
+  const auto target = folder.write("target.txt", "old");
+  fs::create_symlink(target, folder.file("link.txt"));
+  write_file(folder.file("link.txt"), "new");
+  EXPECT_TRUE(fs::is_symlink(folder.file("link.txt")));
+  EXPECT_EQ(read_all(target), "new");
+}
+
+TEST(OutputFile, LeavesDevicesInPlace) {
+  write_file("/dev/null", "gone");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST(OutputFile, NoticesAFullDisk) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full here";
+  EXPECT_THAT(error_of([] { write_file("/dev/full", "a short text that waits in the buffer"); }),
+              AllOf(HasSubstr("/dev/full"), HasSubstr("No space left")));
+  EXPECT_THAT(error_of([] { write_file("/dev/full", std::string(1U << 20, 'x')); }), HasSubstr("No space left"));
+}
+
+TEST(OutputFile, NamesWhatCannotBeWritten) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(error_of([&] { OutputFile(folder.file("no/such/out.txt")); }),
+              AllOf(HasSubstr("no/such/out.txt"), HasSubstr("cannot be written: No such file")));
+  EXPECT_THAT(error_of([&] { OutputFile(folder.file("")); }), HasSubstr("is a folder"));
+  EXPECT_THAT(error_of([&] { OutputFile(""); }), HasSubstr("is empty"));
+}
+
+TEST(OutputFile, RespectsAFolderThatMayNotBeWritten) {
+  if (::geteuid() == 0) GTEST_SKIP() << "the super-user may write every folder";
+  const TemporaryFolder folder;
+  fs::create_directory(folder.file("locked"));
+  fs::permissions(folder.file("locked"), fs::perms::owner_read | fs::perms::owner_exec);
+  EXPECT_THAT(error_of([&] { OutputFile(folder.file("locked/out.txt")); }), HasSubstr("Permission denied"));
+  fs::permissions(folder.file("locked"), fs::perms::owner_all);
+}
+
+TEST(OutputFile, WritesStandardOutputForADash) {
+  ::testing::internal::CaptureStdout();
+  write_file("-", "to the pipe\n");
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "to the pipe\n");
+  EXPECT_FALSE(fs::exists("-"));
+}
+
+TEST(WritePng, ReadsBackTheSame) {
+  const TemporaryFolder folder;
+  cv::Mat image(5, 7, CV_8UC3);
+  cv::randu(image, 0, 256);
+  write_png(folder.file("a.png"), image);
+  EXPECT_EQ(cv::norm(image, cv::imread(folder.file("a.png"), cv::IMREAD_UNCHANGED), cv::NORM_INF), 0.0);
+}
+
+}  // namespace
+}  // namespace flies

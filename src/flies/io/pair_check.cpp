@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <numeric>
-#include <optional>
 #include <vector>
 
 #include "flies/core/error.hpp"
@@ -103,22 +101,26 @@ float correlation(const Band& band, int u, const Band& other, int u_other) {
   return static_cast<float>(covariance / deviations);
 }
 
-/// The column in the other image where the patch fits well and nowhere else nearly as well.
-std::optional<int> find_along_row(const Band& band, int u, const Band& other, int center_u, int reach) {
-  if (!band.is_textured(u)) return std::nullopt;
+/// Where a patch was found along its row.
+struct Match {
+  bool fits = false;    ///< somewhere it fits well
+  bool unique = false;  ///< and nowhere else nearly as well
+  int u = 0;            ///< its left column there
+};
+
+Match find_along_row(const Band& band, int u, const Band& other, int center_u, int reach) {
   const int first = std::max(0, center_u - reach);
   const int last = std::min(other.patches() - 1, center_u + reach);
-  if (first > last) return std::nullopt;
+  if (first > last || !band.is_textured(u)) return {};
   std::vector<float> scores(static_cast<std::size_t>(last - first + 1));
   for (int candidate = first; candidate <= last; ++candidate)
     scores[static_cast<std::size_t>(candidate - first)] = correlation(band, u, other, candidate);
   const auto best = std::max_element(scores.begin(), scores.end());
-  if (*best < kMinCorrelation) return std::nullopt;
-  const auto at = best - scores.begin();
-  for (std::ptrdiff_t rival = 0; rival < std::ssize(scores); ++rival)
-    if (std::abs(rival - at) > kPeakRadius_px && scores[static_cast<std::size_t>(rival)] > *best - kUniqueness)
-      return std::nullopt;
-  return first + static_cast<int>(at);
+  if (*best < kMinCorrelation) return {};
+  const auto is_rival = [&](const float& score) {
+    return std::abs(&score - &*best) > kPeakRadius_px && score > *best - kUniqueness;
+  };
+  return {true, std::none_of(scores.begin(), scores.end(), is_rival), first + static_cast<int>(best - scores.begin())};
 }
 
 /// The patch around the strongest vertical edge of a cell, where columns can be told apart best.
@@ -172,13 +174,14 @@ PairEvidence gather_pair_evidence(const RectifiedPair& pair, const StereoCamera&
       const int u = strongest_edge(left_band, left_band.patches() * column / kGridColumns,
                                    left_band.patches() * (column + 1) / kGridColumns);
       if (!left_band.is_textured(u)) continue;
+      const auto match = find_along_row(left_band, u, right_band, u - infinity_px, reach_px);
+      if (match.fits && !match.unique) continue;  // a fence, a grid: says nothing either way
       ++evidence.patches;
-      const auto u_right = find_along_row(left_band, u, right_band, u - infinity_px, reach_px);
-      if (!u_right) continue;
+      if (!match.fits) continue;
       // Chance finds a fit somewhere; it rarely leads back to where the search started.
-      const auto u_back = find_along_row(right_band, *u_right, left_band, *u_right + infinity_px, reach_px);
-      if (!u_back || std::abs(*u_back - u) > kNoise_px) continue;
-      const int disparity_px = u - *u_right - infinity_px;
+      const auto back = find_along_row(right_band, match.u, left_band, match.u + infinity_px, reach_px);
+      if (!back.unique || std::abs(back.u - u) > kNoise_px) continue;
+      const int disparity_px = u - match.u - infinity_px;
       ++(std::abs(disparity_px) <= kNoise_px ? evidence.distant : disparity_px > 0 ? evidence.nearer : evidence.beyond);
     }
   }

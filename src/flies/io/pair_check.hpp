@@ -10,7 +10,7 @@ namespace flies {
 /// What a few hundred textured patches of the left image say about the pair, each searched along its row of the right
 /// image on both sides of infinity.
 struct PairEvidence {
-  int patches = 0;  ///< with enough texture to be searched
+  int patches = 0;  ///< with enough texture to be searched and without rivals that fit as well
   int nearer = 0;   ///< found, at more disparity than infinity: in front of the cameras
   int beyond = 0;   ///< found, at less disparity than infinity: impossible unless left and right are swapped
   int distant = 0;  ///< found at infinity, within the noise

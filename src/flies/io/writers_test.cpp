@@ -1,1 +1,140 @@
+#include "flies/io/writers.hpp"
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "flies/io/fitness_color.hpp"
+
+namespace flies {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+using Json = nlohmann::ordered_json;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+FrameRecord example() {
+  FrameRecord record;
+  record.frame = 7;
+  record.left = "l/7.png";
+  record.right = "r/7.png";
+  record.seed = 18446744073709551615ULL;
+  record.preset = "default";
+  record.obstacles.push_back({12.34567, -1.10049, 12.3949, 0.5, 1.75, 0.1, 0.0123456789, {100.126, 50, 20, 60.5}});
+  record.pedestrians.push_back({12.3, -0.0, 12.3, 1.71, 1.5, {101, 52, 18, 58}});
+  record.stage_ms = {1.23456, 2, 3, 4, 5};
+  return record;
+}
+
+std::vector<std::string> keys_of(const Json& object) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : object.items()) keys.push_back(key);
+  return keys;
+}
+
+TEST(JsonLine, HasTheSchemaInOrder) {
+  const std::string line = json_line(example());
+  EXPECT_EQ(line.find('\n'), line.size() - 1);
+  const Json json = Json::parse(line);
+  EXPECT_THAT(keys_of(json),
+              ElementsAre("frame", "left", "right", "seed", "preset", "obstacles", "pedestrians", "stage_ms"));
+  EXPECT_THAT(keys_of(json["obstacles"][0]),
+              ElementsAre("x_m", "y_m", "range_m", "width_m", "height_m", "score", "box"));
+  EXPECT_THAT(keys_of(json["pedestrians"][0]), ElementsAre("x_m", "y_m", "range_m", "height_m", "score", "box"));
+  EXPECT_THAT(keys_of(json["obstacles"][0]["box"]), ElementsAre("u_px", "v_px", "width_px", "height_px"));
+  EXPECT_THAT(keys_of(json["stage_ms"]), ElementsAreArray(kStageNames));
+}
+
+TEST(JsonLine, RoundsNumbers) {
+  const std::string line = json_line(example());
+  EXPECT_THAT(line, HasSubstr("\"x_m\":12.346,\"y_m\":-1.1,"));
+  EXPECT_THAT(line, HasSubstr("\"score\":0.0123457,"));
+  EXPECT_THAT(line, HasSubstr("\"u_px\":100.13,"));
+  EXPECT_THAT(line, HasSubstr("\"" + std::string(kStageNames[0]) + "\":1.235,"));
+  EXPECT_THAT(line, HasSubstr("\"seed\":18446744073709551615,"));
+  EXPECT_THAT(line, Not(HasSubstr("-0.0")));
+}
+
+TEST(JsonLine, HoldsEmptyListsWhenNothingWasFound) {
+  EXPECT_THAT(json_line({}), HasSubstr("\"obstacles\":[],\"pedestrians\":[]"));
+}
+
+TEST(JsonLine, NeverHoldsNumbersThatAreNotFinite) {
+  auto record = example();
+  record.obstacles[0].x_m = kNan;
+  record.obstacles[0].score = kInfinity;
+  record.stage_ms[0] = -kInfinity;
+  record.obstacles[0].range_m = 1e307;  // overflows when it is scaled for rounding
+  const Json json = Json::parse(json_line(record));
+  EXPECT_TRUE(json["obstacles"][0]["x_m"].is_null());
+  EXPECT_TRUE(json["obstacles"][0]["score"].is_null());
+  EXPECT_TRUE(json["stage_ms"][std::string(kStageNames[0])].is_null());
+  EXPECT_EQ(json["obstacles"][0]["range_m"], 1e307);
+}
+
+TEST(JsonLine, SurvivesFileNamesThatAreNotUtf8) {
+  auto record = example();
+  record.left = "caf\xE9 \"1\"\n.png";
+  EXPECT_EQ(Json::parse(json_line(record))["left"], "caf\xEF\xBF\xBD \"1\"\n.png");
+}
+
+TEST(CsvRows, MatchTheHeader) {
+  auto record = example();
+  record.obstacles[0].score = kNan;
+  EXPECT_EQ(csv_header() + csv_rows(record),
+            "frame,left,right,kind,x_m,y_m,range_m,width_m,height_m,score,u_px,v_px,width_px,height_px\n"
+            "7,l/7.png,r/7.png,obstacle,12.346,-1.100,12.395,0.500,1.750,,100.13,50.00,20.00,60.50\n"
+            "7,l/7.png,r/7.png,pedestrian,12.300,-0.000,12.300,,1.710,1.5,101.00,52.00,18.00,58.00\n");
+}
+
+TEST(CsvRows, QuoteNamesAsRfc4180Says) {
+  auto record = example();
+  record.left = "a, \"b\".png";
+  EXPECT_THAT(csv_rows(record), StartsWith("7,\"a, \"\"b\"\".png\",r/7.png,"));
+  EXPECT_EQ(csv_rows({}), "");
+}
+
+TEST(PlyText, HoldsEveryFiniteFlyWithItsColour) {
+  Population flies;
+  flies.push_back({10, 1, 0.5}, 0.0F);
+  flies.push_back({20, -1, 1.5}, 8.0F);
+  flies.push_back({kNan, 0, 0}, 1.0F);
+  const std::string ply = ply_text(flies);
+  EXPECT_THAT(ply, StartsWith("ply\nformat ascii 1.0\n"));
+  EXPECT_THAT(ply, HasSubstr("element vertex 2\n"));
+  const auto body = ply.substr(ply.find("end_header\n") + 11);
+  EXPECT_THAT(body, StartsWith("10.0000 1.0000 0.5000 0 0 255 0\n"));
+  EXPECT_EQ(std::count(body.begin(), body.end(), '\n'), 2);
+}
+
+TEST(PlyText, OfNoFliesIsAnEmptyCloud) { EXPECT_THAT(ply_text({}), HasSubstr("element vertex 0\n")); }
+
+TEST(FitnessColor, RunsFromBlueOverGreenToRed) {
+  EXPECT_EQ(fitness_color(0.0), (Rgb{0, 0, 255}));
+  EXPECT_EQ(fitness_color(0.5), (Rgb{0, 255, 0}));
+  EXPECT_EQ(fitness_color(1.0), (Rgb{255, 0, 0}));
+  EXPECT_EQ(fitness_color(9.0), (Rgb{255, 0, 0}));
+  EXPECT_EQ(fitness_color(kNan), (Rgb{0, 0, 255}));
+}
+
+TEST(FullScaleFitness, IsNotMovedByAFewGiants) {
+  std::vector<float> fitness(1000, 1.0F);
+  fitness[3] = 1e9F;
+  fitness[4] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(full_scale_fitness(fitness), 1.0F);
+  EXPECT_EQ(full_scale_fitness({}), 0.0F);
+}
+
+}  // namespace
+}  // namespace flies
