@@ -67,7 +67,7 @@ cv::Mat draw_histograms(std::span<const HistogramPlot> plots);
 cv::Mat draw_histogram(const HistogramPlot& plot);
 
 /// The concentrating step on the left image: sample points as green circles, kept candidates as red crosses,
-/// discarded ones as small grey crosses, the boxes handed to the classifier (paper, figure 4).
+/// discarded ones as small grey crosses, and per object one of its boxes for the classifier (paper, figure 4).
 cv::Mat draw_concentrating(const cv::Mat& left, const ConcentrateResult& result, const std::vector<Roi>& rois = {});
 
 }  // namespace flies

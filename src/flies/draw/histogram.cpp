@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "flies/draw/draw.hpp"
 #include "flies/draw/paint.hpp"
@@ -57,12 +58,15 @@ void put_axes(cv::Mat& canvas, const Scale& scale) {
 
 void put_marker(cv::Mat& canvas, const Scale& scale, double x_m, const cv::Scalar& color) {
   if (x_m < scale.min_x_m || x_m > scale.max_x_m) return;
-  cv::line(canvas, {scale.u(x_m), kAxes.y}, {scale.u(x_m), kAxes.br().y}, color, 2);
+  // Thin, so as not to hide a bar; the flag at the top makes up for it.
+  const cv::Point top(scale.u(x_m), kAxes.y);
+  cv::line(canvas, top, {top.x, kAxes.br().y}, color, 1);
+  cv::fillConvexPoly(canvas, std::vector<cv::Point>{top, {top.x - 6, top.y - 9}, {top.x + 6, top.y - 9}}, color);
 }
 
 int put_key(cv::Mat& canvas, int left, const std::string& text, const cv::Scalar& color) {
-  cv::line(canvas, {left, 48}, {left + 16, 48}, color, 2);
-  put_text(canvas, text, {left + 22, 52}, kInk);
+  cv::line(canvas, {left, 42}, {left + 16, 42}, color, 2);
+  put_text(canvas, text, {left + 22, 46}, kInk);
   return left + 22 + text_size(text).width + 18;
 }
 
@@ -74,7 +78,7 @@ cv::Mat draw_histogram(const HistogramPlot& plot) {
   put_text(canvas,
            fmt::format("{}{}view-angle {:.1f} to {:.1f} deg", plot.title, plot.title.empty() ? "" : ", ",
                        degrees(angle.min_azimuth_rad), degrees(angle.max_azimuth_rad)),
-           {14, 24}, kInk, kTitleText);
+           {14, 24}, kInk, 0.48);
   const Scale scale = scale_of(plot);
   put_axes(canvas, scale);
   const cv::Scalar bar_color{200, 150, 70};
@@ -96,7 +100,7 @@ cv::Mat draw_histogram(const HistogramPlot& plot) {
     const char* name = angle.samples.size() == 1 ? "sample point" : "sample points, fullest";
     put_key(canvas, key_left, fmt::format("{}, x = {:.1f} m", name, angle.samples[0].x_m), kGreen);
   } else {
-    put_text(canvas, "no fly with fitness: no sample point", {key_left, 52}, kInk);
+    put_text(canvas, "no fly with fitness: no sample point", {key_left, 46}, kInk);
   }
   cv::rectangle(canvas, kAxes, kGray);
   return canvas;

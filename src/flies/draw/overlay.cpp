@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cmath>
+#include <map>
 #include <opencv2/imgproc.hpp>
 
 #include "flies/draw/draw.hpp"
@@ -12,7 +13,7 @@ namespace {
 using namespace paint;
 
 constexpr int kStripHeight_px = 34;
-constexpr int kMinWidth_px = 470;
+constexpr int kMinWidth_px = 580;
 
 void put_overlay_legend(cv::Mat& canvas, int top) {
   constexpr int kBarWidth_px = 160;
@@ -28,6 +29,20 @@ void put_overlay_legend(cv::Mat& canvas, int top) {
   }
   cv::rectangle(canvas, cv::Rect(320, top + 4, 9, 18), kPedestrianColor, 2);
   put_text(canvas, "pedestrian, range", {338, baseline + 3}, kWhite);
+}
+
+/// All the boxes of an object would hide it; the one for a person of common height stands for them.
+std::vector<Roi> one_per_obstacle(const std::vector<Roi>& rois) {
+  constexpr double kCommonHeight_m = 1.7;
+  const auto unlikeness = [](const Roi& roi) { return std::abs(roi.height_m - kCommonHeight_m); };
+  std::map<std::size_t, Roi> chosen;
+  for (const auto& roi : rois) {
+    const auto [best, is_new] = chosen.emplace(roi.obstacle, roi);
+    if (!is_new && unlikeness(roi) < unlikeness(best->second)) best->second = roi;
+  }
+  std::vector<Roi> result;
+  for (const auto& [obstacle, roi] : chosen) result.push_back(roi);
+  return result;
 }
 
 cv::Rect image_area(const cv::Mat& left) { return {0, 0, left.cols, left.rows}; }
@@ -60,7 +75,7 @@ cv::Mat draw_concentrating(const cv::Mat& left, const ConcentrateResult& result,
   cv::Mat image = canvas(image_area(left));
   const cv::Scalar window_color{255, 200, 0};
   if (!image.empty()) {
-    for (const auto& roi : rois) cv::rectangle(image, pixel_rect(roi.window), window_color, 1);
+    for (const auto& roi : one_per_obstacle(rois)) cv::rectangle(image, pixel_rect(roi.window), window_color, 1);
     for (const auto& point : result.shifted) {
       cv::circle(image, pixel(point.start.u_px, point.start.v_px), 5, kBlack, 2, cv::LINE_AA);
       cv::circle(image, pixel(point.start.u_px, point.start.v_px), 5, kGreen, 1, cv::LINE_AA);
@@ -80,7 +95,7 @@ cv::Mat draw_concentrating(const cv::Mat& left, const ConcentrateResult& result,
   cv::drawMarker(canvas, {242, middle}, kGray, cv::MARKER_TILTED_CROSS, 7, 1);
   put_text(canvas, "discarded", {251, middle + 4}, kWhite);
   cv::rectangle(canvas, cv::Rect(336, middle - 9, 9, 18), window_color, 1);
-  put_text(canvas, "box to classify", {352, middle + 4}, kWhite);
+  put_text(canvas, "box to classify, one an object", {352, middle + 4}, kWhite);
   return canvas;
 }
 

@@ -51,6 +51,8 @@ void put_upward_text(cv::Mat& canvas, const std::string& text, cv::Point centre,
 class LabelPlacer {
  public:
   explicit LabelPlacer(cv::Rect area, const cv::Scalar& outline = kBlack) : area_(area), outline_(outline) {}
+  /// Keeps labels off this place.
+  void block(const cv::Rect& place) { taken_.push_back(place); }
   /// Draws the label above, inside or below the box, or nowhere when no place is free.
   void put(cv::Mat& canvas, const std::string& text, const cv::Rect& box, const cv::Scalar& color);
 

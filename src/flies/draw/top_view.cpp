@@ -157,12 +157,16 @@ cv::Mat draw_top_view(const StereoCamera& camera, const Population& flies, const
     put_obstacle(ground, plot, *obstacle);
   const int radius_px = std::max(5, pixel(0.3 * plot.view.pixels_per_m));
   LabelPlacer labels({{}, ground.size()}, kPaper);
+  const auto disc = [&](const Pedestrian& pedestrian) {
+    const cv::Point centre = plot.at(pedestrian.x_m, pedestrian.y_m);
+    return cv::Rect(centre.x - radius_px, centre.y - radius_px, 2 * radius_px, 2 * radius_px);
+  };
+  for (const auto& pedestrian : pedestrians) labels.block(disc(pedestrian));
   for (const auto& pedestrian : pedestrians) {
     const cv::Point centre = plot.at(pedestrian.x_m, pedestrian.y_m);
     cv::circle(ground, centre, radius_px, kPedestrianColor, cv::FILLED, cv::LINE_AA);
     cv::circle(ground, centre, radius_px, kInk, 1, cv::LINE_AA);
-    labels.put(ground, fmt::format("{:.1f} m", pedestrian.range_m),
-               {centre.x - radius_px, centre.y - radius_px, 2 * radius_px, 2 * radius_px}, {150, 0, 150});
+    labels.put(ground, fmt::format("{:.1f} m", pedestrian.range_m), disc(pedestrian), {150, 0, 150});
   }
   for (const auto& obstacle : obstacles) {
     const cv::Point centre = plot.at(obstacle.x_m, obstacle.y_m);
