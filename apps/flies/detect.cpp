@@ -75,9 +75,6 @@ std::vector<std::string> other_inputs(const DetectArguments& arguments) {
 std::vector<std::string> calibration_notes(const flies::Calibration& calibration, const std::string& path) {
   std::vector<std::string> notes;
   for (const auto& note : calibration.notes) notes.push_back(path + ": " + note);
-  if (!calibration.has_height)
-    notes.push_back(fmt::format("{} does not give the camera height; assuming {:.2f} m (set it by --camera-height)",
-                                path, calibration.camera.mount.height_m));
   return notes;
 }
 

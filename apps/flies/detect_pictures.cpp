@@ -1,5 +1,7 @@
 #include "detect_pictures.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,12 +22,16 @@ struct Equation {
 constexpr std::array<Equation, 2> kEquations = {{{flies::FitnessFunction::louchet, "Eq. (1), louchet"},
                                                  {flies::FitnessFunction::covariance, "Eq. (2), covariance"}}};
 
+/// A view-angle of one degree holds about one in a hundred flies; fewer would leave most of its intervals empty.
+constexpr int kHistogramFlies = 60'000;
+
 /// The first, random flies of this frame, scored by `function`. Their places depend on the seed alone, so that two
 /// functions score the same flies.
-flies::Population first_flies(const ProcessedFrame& frame, flies::FitnessFunction function) {
+flies::Population first_flies(const ProcessedFrame& frame, flies::FitnessFunction function, int count) {
   flies::FitnessOptions fitness = frame.options.fitness;
   fitness.function = function;
   flies::EvolveOptions evolve = frame.options.evolve;
+  evolve.flies = count;
   evolve.generations = 0;
   evolve.steering_share = 0.0;
   return flies::evolve(frame.pair, flies::Projection(frame.camera), frame.detection->road.plane, frame.options.field,
@@ -83,7 +89,8 @@ cv::Mat concentrating_picture(const ProcessedFrame& frame) {
 
 cv::Mat fitness_picture(const ProcessedFrame& frame) {
   std::vector<flies::TitledFlies> columns;
-  for (const auto& [function, title] : kEquations) columns.push_back({title, first_flies(frame, function)});
+  for (const auto& [function, title] : kEquations)
+    columns.push_back({title, first_flies(frame, function, frame.options.evolve.flies)});
   return flies::draw_fitness_comparison(frame.left(), frame.camera, columns, top_view(frame, 640));
 }
 
@@ -92,10 +99,10 @@ cv::Mat histogram_picture(const ProcessedFrame& frame) {
   const double azimuth_rad = aim ? std::atan2(aim->y_m, aim->x_m) : 0.0;
   std::vector<flies::HistogramPlot> plots;
   for (const auto& [function, title] : kEquations) {
-    const auto sampling =
-        flies::sample_histograms(first_flies(frame, function), frame.options.field, frame.options.concentrate);
+    const auto sampling = flies::sample_histograms(first_flies(frame, function, kHistogramFlies), frame.options.field,
+                                                   frame.options.concentrate);
     flies::HistogramPlot plot;
-    plot.title = title;
+    plot.title = fmt::format("{}, {} flies", title, kHistogramFlies);
     plot.axis = sampling.axis;
     for (const auto& angle : sampling.view_angles)
       if (azimuth_rad >= angle.min_azimuth_rad && azimuth_rad < angle.max_azimuth_rad) plot.view_angle = angle;
