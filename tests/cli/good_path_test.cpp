@@ -1,0 +1,217 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "run_flies.hpp"
+#include "street_pair.hpp"
+
+namespace fs = std::filesystem;
+
+namespace flies::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using Words = std::vector<std::string>;
+
+Words detect(const Words& more, const std::string& left = "left.png", const std::string& right = "right.png") {
+  Words words = {"detect", left, right, "--calib", "calib.txt", "--camera-height", "1.65", "--evolve.flies", "2000"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+/// The JSON lines of a run that must succeed.
+std::vector<json> found(const TestFolder& folder, const Words& command) {
+  const RunResult result = run_flies(folder.path(), command);
+  EXPECT_EQ(result.status, 0) << result.err;
+  std::vector<json> records;
+  for (const auto& line : lines(result.out)) records.push_back(json::parse(line));
+  return records;
+}
+
+json without_times(json record) {
+  record.erase("stage_ms");
+  return record;
+}
+
+/// What was found, whatever the files are called.
+json findings(const json& record) { return {record.at("obstacles"), record.at("pedestrians")}; }
+
+struct Detect : ::testing::Test {
+  Detect() { write_street(folder.path()); }
+  TestFolder folder;
+};
+
+TEST_F(Detect, FindsTheBoxWhereItStands) {
+  const auto records = found(folder, detect({"--json", "-"}));
+  ASSERT_EQ(records.size(), 1u);
+  constexpr double kRangeShare = 0.05;  // 0.7 px of disparity at 10 m with this short focal length
+  constexpr double kLateral_m = 0.5;    // the face is 1.6 m wide; flies may hold to a part of it
+  bool is_found = false;
+  for (const auto& obstacle : records[0].at("obstacles"))
+    is_found |= std::abs(obstacle.at("x_m").get<double>() - kBoxX_m) < kRangeShare * kBoxX_m &&
+                std::abs(obstacle.at("y_m").get<double>() - kBoxY_m) < kLateral_m;
+  EXPECT_TRUE(is_found) << records[0].dump();
+}
+
+TEST_F(Detect, WritesTheDocumentedJson) {
+  const json record = found(folder, detect({"--json", "-", "--seed", "42", "--preset", "paper"})).at(0);
+  EXPECT_EQ(record.at("frame"), 0);
+  EXPECT_EQ(record.at("left"), "left.png");
+  EXPECT_EQ(record.at("right"), "right.png");
+  EXPECT_EQ(record.at("seed"), 42);
+  EXPECT_EQ(record.at("preset"), "paper");
+  for (const char* stage : {"road", "evolve", "concentrate", "propose", "classify"})
+    EXPECT_GE(record.at("stage_ms").at(stage).get<double>(), 0.0) << stage;
+  ASSERT_FALSE(record.at("obstacles").empty());
+  for (const auto& obstacle : record.at("obstacles")) {
+    for (const char* key : {"x_m", "y_m", "range_m", "width_m", "height_m", "score"})
+      EXPECT_TRUE(obstacle.at(key).is_number()) << key;
+    for (const char* key : {"u_px", "v_px", "width_px", "height_px"})
+      EXPECT_TRUE(obstacle.at("box").at(key).is_number()) << key;
+  }
+  EXPECT_TRUE(record.at("pedestrians").is_array());
+}
+
+TEST_F(Detect, WritesEveryOutput) {
+  const RunResult result =
+      run_flies(folder.path(),
+                detect({"--json", "a.jsonl", "--csv", "a.csv", "--ply", "a.ply", "--overlay", "o.png", "--top-view",
+                        "t.png", "--flies", "f.png", "--histogram", "h.png", "--concentrating", "c.png"}));
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.out, "") << "the table is for runs without outputs";
+  EXPECT_EQ(result.err, "");
+  for (const char* name : {"o.png", "t.png", "f.png", "h.png", "c.png"})
+    EXPECT_FALSE(cv::imread((folder.path() / name).string()).empty()) << name;
+  EXPECT_EQ(read_text(folder.path() / "a.ply").rfind("ply\n", 0), 0u);
+  const auto csv = lines(read_text(folder.path() / "a.csv"));
+  ASSERT_GE(csv.size(), 2u);
+  for (const char* column : {"frame", "kind", "x_m", "y_m", "range_m", "score"}) EXPECT_THAT(csv[0], HasSubstr(column));
+  EXPECT_EQ(folder.listing().size(), 3u + 8u) << "no temporary files may stay";
+}
+
+TEST_F(Detect, PrintsATableWithoutOutputs) {
+  const RunResult result = run_flies(folder.path(), detect({}));
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.err, "");
+  for (const char* word : {"left.png", "range [m]", "obstacle", "evolve"}) EXPECT_THAT(result.out, HasSubstr(word));
+}
+
+TEST_F(Detect, SaysTheAssumedCameraHeightOnce) {
+  const RunResult result = run_flies(folder.path(), {"detect", "left.png", "right.png", "--calib", "calib.txt",
+                                                     "--json", "-", "--evolve.flies", "300"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(lines(result.err).size(), 1u) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("1.65 m"));
+}
+
+TEST_F(Detect, RepeatsItselfForASeedWhateverTheThreads) {
+  const json first = without_times(found(folder, detect({"--json", "-", "--seed", "3"})).at(0));
+  EXPECT_EQ(without_times(found(folder, detect({"--json", "-", "--seed", "3"})).at(0)), first);
+  EXPECT_EQ(without_times(found(folder, detect({"--json", "-", "--seed", "3", "--threads", "2"})).at(0)), first);
+  EXPECT_NE(findings(found(folder, detect({"--json", "-", "--seed", "4"})).at(0)), findings(first));
+}
+
+TEST_F(Detect, ReadsTheSamePairFromEveryFormat) {
+  const json expected = findings(found(folder, detect({"--json", "-"})).at(0));
+  const auto agrees = [&](const std::string& extension, const auto& convert) {
+    for (const auto& [name, image] :
+         {std::pair("l" + extension, street_pair().left), std::pair("r" + extension, street_pair().right)})
+      ASSERT_TRUE(cv::imwrite((folder.path() / name).string(), convert(image)));
+    const auto records = found(folder, detect({"--json", "-"}, "l" + extension, "r" + extension));
+    ASSERT_EQ(records.size(), 1u);
+    EXPECT_EQ(findings(records[0]), expected) << extension;
+  };
+  const auto same = [](const cv::Mat& image) { return image; };
+  agrees(".pgm", same);
+  agrees(".tiff", same);
+  agrees("_color.png", [](const cv::Mat& image) {
+    cv::Mat color;
+    cv::cvtColor(image, color, cv::COLOR_GRAY2BGR);
+    return color;
+  });
+  agrees("_16bit.png", [](const cv::Mat& image) {
+    cv::Mat deep;
+    image.convertTo(deep, CV_16U, 256.0);
+    return deep;
+  });
+}
+
+TEST_F(Detect, PairsFoldersInNameOrderAndNamesTheFilesOfEachFrame) {
+  fs::create_directory(folder.path() / "l");
+  fs::create_directory(folder.path() / "r");
+  for (const char* name : {"f9.png", "f10.png"}) {
+    fs::copy_file(folder.path() / "left.png", folder.path() / "l" / name);
+    fs::copy_file(folder.path() / "right.png", folder.path() / "r" / name);
+  }
+  const auto records = found(folder, detect({"--json", "-", "--overlay", "o.png", "--ply", "p.ply"}, "l", "r"));
+  ASSERT_EQ(records.size(), 2u);
+  EXPECT_EQ(records[0].at("left"), "l/f9.png");
+  EXPECT_EQ(records[1].at("left"), "l/f10.png");
+  EXPECT_EQ(records[1].at("frame"), 1);
+  for (const char* name : {"o_f9.png", "o_f10.png", "p_f9.ply", "p_f10.ply"})
+    EXPECT_TRUE(fs::exists(folder.path() / name)) << name;
+}
+
+TEST(Config, FeedsBackToItself) {
+  const TestFolder folder;
+  const RunResult first = run_flies(
+      folder.path(), {"config", "--preset", "paper", "--evolve.flies", "1234", "--fitness.noise_gray", "0.1"});
+  ASSERT_EQ(first.status, 0) << first.err;
+  EXPECT_THAT(first.out, HasSubstr("flies: 1234"));
+  write_text(folder.path() / "options.yaml", first.out);
+  const RunResult second = run_flies(folder.path(), {"config", "--options", "options.yaml"});
+  EXPECT_EQ(second.out, first.out);
+}
+
+TEST(Config, CommandLineOverrulesFileOverrulesPreset) {
+  const TestFolder folder;
+  write_text(folder.path() / "options.yaml", "evolve: {flies: 111, generations: 7}\n");
+  const RunResult result =
+      run_flies(folder.path(), {"config", "--evolve.flies", "222", "--options", "options.yaml", "--preset", "paper"});
+  EXPECT_THAT(result.out, HasSubstr("flies: 222"));
+  EXPECT_THAT(result.out, HasSubstr("generations: 7"));
+  EXPECT_THAT(result.out, HasSubstr("function: covariance"));
+}
+
+TEST(Config, ListsEveryOptionOnALine) {
+  const TestFolder folder;
+  const RunResult result = run_flies(folder.path(), {"config", "--list"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.out, HasSubstr("evolve.flies "));
+  EXPECT_THAT(result.out, HasSubstr("louchet|covariance|correlation"));
+  for (const auto& line : lines(result.out)) EXPECT_THAT(line, ::testing::ContainsRegex("^[a-z][a-z_0-9.]*  "));
+}
+
+TEST(Flies, HelpsWithStatus0) {
+  const TestFolder folder;
+  const RunResult bare = run_flies(folder.path(), {});
+  EXPECT_EQ(bare.status, 0);
+  EXPECT_EQ(run_flies(folder.path(), {"--help"}).out, bare.out);
+  for (const char* command : {"detect", "calib", "synth", "config", "info"}) {
+    EXPECT_THAT(bare.out, HasSubstr(command));
+    const RunResult help = run_flies(folder.path(), {command, "--help"});
+    EXPECT_EQ(help.status, 0);
+    EXPECT_THAT(help.out, HasSubstr("flies " + std::string(command))) << "an example teaches more than a list";
+    EXPECT_THAT(help.out, HasSubstr("xit status"));
+  }
+}
+
+TEST(Flies, NamesItsVersionAndLibraries) {
+  const TestFolder folder;
+  EXPECT_THAT(run_flies(folder.path(), {"--version"}).out, ::testing::MatchesRegex("flies [0-9.]+\n"));
+  const RunResult info = run_flies(folder.path(), {"info"});
+  EXPECT_EQ(info.status, 0);
+  for (const char* word : {"opencv", "tbb", "compiler", "default paper", "opencv-48x96"})
+    EXPECT_THAT(info.out, HasSubstr(word));
+}
+
+}  // namespace
+}  // namespace flies::testing
