@@ -62,7 +62,7 @@ Mesh leg_mesh(const Leg& leg, const PersonLook& look, float girth, bool bare) {
 
 Mesh arm_mesh(float side, float swing_rad, const PersonLook& look, float girth) {
   const Vec3 outward{0, side * 0.10F, 0};
-  const Vec3 shoulder{-0.005F, side * 0.185F * girth, 1.415F};
+  const Vec3 shoulder{-0.005F, side * 0.176F * girth, 1.395F};
   const Vec3 elbow = shoulder + normalized(hanging(swing_rad) + outward) * 0.29F;
   const Vec3 wrist = elbow + normalized(hanging(swing_rad + 0.25F + 0.35F * std::max(0.0F, swing_rad))) * 0.25F;
   const bool sleeves = look.garment != Garment::shirt;
@@ -72,8 +72,9 @@ Mesh arm_mesh(float side, float swing_rad, const PersonLook& look, float girth) 
   };
   const Vec3 half_way = mix(shoulder, elbow, 0.55F);
   Mesh mesh;
-  const std::array upper = {at(shoulder + Vec3{0, -side * 0.03F, 0.03F}, 0.03F), at(shoulder, 0.057F),
-                            at(mix(shoulder, elbow, 0.3F), 0.054F), at(half_way, 0.050F)};
+  const std::array upper = {
+      at(shoulder + Vec3{0, -side * 0.035F, 0.04F}, 0.02F), at(shoulder + Vec3{0, -side * 0.012F, 0.022F}, 0.044F),
+      at(shoulder + Vec3{0, 0, -0.02F}, 0.053F), at(mix(shoulder, elbow, 0.3F), 0.052F), at(half_way, 0.050F)};
   mesh.add(limb(upper, {1, 0, 0}, look.top));
   const std::array lower = {at(half_way, 0.046F), at(elbow, 0.042F), at(mix(elbow, wrist, 0.35F), 0.041F),
                             at(wrist, 0.030F)};
@@ -135,9 +136,9 @@ Mesh trunk_mesh(const PersonLook& look, float girth, float stride_m) {
   mesh.add(trunk_part({{1.04F, 0.154F, 0.110F, 0.0F},
                        {1.18F, 0.166F, 0.118F, 0.005F},
                        {1.30F, 0.184F, 0.122F, 0.005F},
-                       {1.38F, 0.192F, 0.112F, -0.002F},
-                       {1.43F, 0.172F, 0.094F, -0.008F},
-                       {1.465F, 0.120F, 0.076F, -0.010F},
+                       {1.38F, 0.180F, 0.112F, -0.002F},
+                       {1.43F, 0.148F, 0.094F, -0.008F},
+                       {1.465F, 0.105F, 0.076F, -0.010F},
                        {1.495F, 0.066F, 0.062F, -0.008F}},
                       girth * loose, look.top));
   return mesh;

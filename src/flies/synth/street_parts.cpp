@@ -169,8 +169,10 @@ Mesh tree(FlyRandom& random, float contrast) {
       const auto spread = [&] { return between(random, -1.0, 1.0); };
       const Vec3 outward = normalized({spread(), spread(), spread()});
       const Vec3 place = tuft + outward * (size_m * between(random, 0.65, 1.05));
-      const Vec3 edge_u = normalized({spread(), spread(), spread()}) * between(random, 0.10, 0.22);
-      const Vec3 edge_v = normalized(cross(edge_u, {spread(), spread(), spread()})) * between(random, 0.06, 0.14);
+      // Lengths are drawn first: the order of draws within one expression would be the compiler's choice.
+      const float half_length_m = between(random, 0.10, 0.22), half_width_m = between(random, 0.06, 0.14);
+      const Vec3 edge_u = normalized({spread(), spread(), spread()}) * half_length_m;
+      const Vec3 edge_v = normalized(cross(edge_u, {spread(), spread(), spread()})) * half_width_m;
       const auto first = static_cast<std::uint32_t>(leaves.positions.size());
       for (const Vec3& p : {place - edge_u, place + edge_v, place + edge_u, place - edge_v}) {
         leaves.positions.push_back(p);
