@@ -1,10 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <span>
+#include <utility>
 
 #include "flies/concentrate/concentrate.hpp"
-#include "flies/concentrate/disjoint_sets.hpp"
 
 namespace flies {
 namespace {
@@ -18,7 +17,7 @@ using Indices = std::vector<std::size_t>;
 struct Extent {
   double near_m = 0.0, far_m = 0.0;  ///< range along the ground
   double right_rad = 0.0, left_rad = 0.0;
-  double top_m = 0.0;  ///< above the road
+  double bottom_m = 0.0, top_m = 0.0;  ///< of its flies, above the road
 
   double width_m() const { return near_m * (left_rad - right_rad); }
 };
@@ -43,46 +42,95 @@ Extent measure(const Indices& members, const Population& flies, const RoadPlane&
     height_m.emplace_back(flies.z_m[i] - road.z_m(x, y), weight);
   }
   return {weighted_quantile(range_m, near_quantile), weighted_quantile(range_m, 1.0 - near_quantile),
-          weighted_quantile(azimuth_rad, kLowEdge), weighted_quantile(azimuth_rad, kHighEdge),
-          weighted_quantile(height_m, kHighEdge)};
+          weighted_quantile(azimuth_rad, kLowEdge),  weighted_quantile(azimuth_rad, kHighEdge),
+          weighted_quantile(height_m, kLowEdge),     weighted_quantile(height_m, kHighEdge)};
 }
 
 double gap(double low_a, double high_a, double low_b, double high_b) {
   return std::max({0.0, low_b - high_a, low_a - high_b});
 }
 
+/// All flies as seen from the camera, sorted by azimuth: what lies behind the gap between two parts.
+class Backdrop {
+ public:
+  explicit Backdrop(const Population& flies) {
+    for (std::size_t i = 0; i < flies.size(); ++i)
+      if (flies.fitness[i] > 0.0F)
+        echoes_.push_back(
+            {std::atan2(flies.y_m[i], flies.x_m[i]), std::hypot(flies.x_m[i], flies.y_m[i]), flies.fitness[i]});
+    std::sort(echoes_.begin(), echoes_.end(),
+              [](const auto& a, const auto& b) { return a.azimuth_rad < b.azimuth_rad; });
+  }
+
+  /// Summed fitness of the flies between two azimuths and farther than `range_m`.
+  double behind(double right_rad, double left_rad, double range_m) const {
+    auto echo = std::lower_bound(echoes_.begin(), echoes_.end(), right_rad,
+                                 [](const Echo& e, double azimuth_rad) { return e.azimuth_rad < azimuth_rad; });
+    double sum = 0.0;
+    for (; echo != echoes_.end() && echo->azimuth_rad < left_rad; ++echo)
+      if (echo->range_m > range_m) sum += echo->fitness;
+    return sum;
+  }
+
+ private:
+  struct Echo {
+    double azimuth_rad, range_m, fitness;
+  };
+  std::vector<Echo> echoes_;
+};
+
+struct Part {
+  Indices members;
+  Extent extent;
+  double fitness = 0.0;  ///< summed over its members
+};
+
 /// How far two parts are apart, as a share of the gaps that are allowed inside an object; nothing when they cannot
-/// belong together.
-std::optional<double> separation(const Extent& a, const Extent& b, const AssembleOptions& options) {
-  const double range_m = std::min(a.near_m, b.near_m);
-  const double depth = gap(a.near_m, a.far_m, b.near_m, b.far_m) / (options.depth_gap_share * range_m);
-  const double lateral = range_m * gap(a.right_rad, a.left_rad, b.right_rad, b.left_rad) / options.lateral_gap_m;
-  const double width_m = range_m * (std::max(a.left_rad, b.left_rad) - std::min(a.right_rad, b.right_rad));
-  const double depth_m = std::max(a.far_m, b.far_m) - range_m;
+/// belong together: too far apart, too large together, or something farther away is seen between them.
+std::optional<double> separation(const Part& a, const Part& b, const Backdrop& backdrop,
+                                 const AssembleOptions& options) {
+  const Extent &ea = a.extent, &eb = b.extent;
+  const double range_m = std::min(ea.near_m, eb.near_m);
+  const double depth = gap(ea.near_m, ea.far_m, eb.near_m, eb.far_m) / (options.depth_gap_share * range_m);
+  const double lateral = range_m * gap(ea.right_rad, ea.left_rad, eb.right_rad, eb.left_rad) / options.lateral_gap_m;
+  const double width_m = range_m * (std::max(ea.left_rad, eb.left_rad) - std::min(ea.right_rad, eb.right_rad));
+  const double depth_m = std::max(ea.far_m, eb.far_m) - range_m;
   if (depth > 1.0 || lateral > 1.0 || width_m > options.max_width_m || depth_m > options.max_width_m) return {};
+  const double gap_right_rad = std::min(ea.left_rad, eb.left_rad), gap_left_rad = std::max(ea.right_rad, eb.right_rad);
+  if (gap_left_rad > gap_right_rad) {
+    const double far_m = std::max(ea.far_m, eb.far_m) * (1.0 + options.depth_gap_share);
+    const double seen_through = backdrop.behind(gap_right_rad, gap_left_rad, far_m);
+    if (seen_through > options.see_through_share * std::min(a.fitness, b.fitness)) return {};
+  }
   return std::hypot(depth, lateral);
 }
 
+Part make_part(Indices members, const Population& flies, const RoadPlane& road, const AssembleOptions& options) {
+  Part part{std::move(members), {}, 0.0};
+  part.extent = measure(part.members, flies, road, options.near_quantile);
+  for (const auto i : part.members) part.fitness += flies.fitness[i];
+  return part;
+}
+
 /// Joins parts, closest first, as long as the whole stays within the largest size of an object.
-std::vector<Indices> join_parts(std::vector<Indices> parts, const Population& flies, const RoadPlane& road,
-                                const AssembleOptions& options) {
-  std::vector<Extent> extents;
-  for (const auto& part : parts) extents.push_back(measure(part, flies, road, options.near_quantile));
+std::vector<Part> join_parts(std::vector<Part> parts, const Population& flies, const RoadPlane& road,
+                             const AssembleOptions& options) {
+  const Backdrop backdrop(flies);
   while (true) {
     std::size_t best_a = 0, best_b = 0;
     std::optional<double> best;
     for (std::size_t a = 0; a < parts.size(); ++a)
       for (std::size_t b = a + 1; b < parts.size(); ++b)
-        if (const auto s = separation(extents[a], extents[b], options); s && (!best || *s < *best)) {
+        if (const auto s = separation(parts[a], parts[b], backdrop, options); s && (!best || *s < *best)) {
           best = s;
           best_a = a;
           best_b = b;
         }
     if (!best) return parts;
-    parts[best_a].insert(parts[best_a].end(), parts[best_b].begin(), parts[best_b].end());
-    extents[best_a] = measure(parts[best_a], flies, road, options.near_quantile);
+    auto members = std::move(parts[best_a].members);
+    members.insert(members.end(), parts[best_b].members.begin(), parts[best_b].members.end());
+    parts[best_a] = make_part(std::move(members), flies, road, options);
     parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(best_b));
-    extents.erase(extents.begin() + static_cast<std::ptrdiff_t>(best_b));
   }
 }
 
@@ -124,8 +172,9 @@ ImageBox project_box(const Extent& extent, const Projection& projection, const R
 Assembly assemble_obstacles(const std::vector<Candidate>& candidates, const Population& flies,
                             const std::vector<DroppedFly>& dropped, const Projection& projection, const RoadPlane& road,
                             const ConcentrateOptions& options) {
-  auto parts = divide_flies(candidates, flies, dropped, options);
-  std::erase_if(parts, [&](const Indices& part) { return part.empty(); });
+  std::vector<Part> parts;
+  for (auto& members : divide_flies(candidates, flies, dropped, options))
+    if (!members.empty()) parts.push_back(make_part(std::move(members), flies, road, options.assemble));
   if (options.assemble.merge) parts = join_parts(std::move(parts), flies, road, options.assemble);
 
   struct Assembled {
@@ -133,9 +182,9 @@ Assembly assemble_obstacles(const std::vector<Candidate>& candidates, const Popu
     Indices members;
   };
   std::vector<Assembled> assembled;
-  for (auto& members : parts) {
-    const auto extent = measure(members, flies, road, options.assemble.near_quantile);
-    if (static_cast<int>(members.size()) < options.assemble.min_flies || extent.top_m < options.assemble.min_height_m)
+  for (auto& [members, extent, fitness] : parts) {
+    if (static_cast<int>(members.size()) < options.assemble.min_flies || extent.top_m < options.assemble.min_height_m ||
+        std::max(extent.width_m(), extent.top_m - extent.bottom_m) < options.assemble.min_extent_m)
       continue;
     const double azimuth_rad = 0.5 * (extent.left_rad + extent.right_rad);
     Obstacle obstacle;
@@ -146,8 +195,7 @@ Assembly assemble_obstacles(const std::vector<Candidate>& candidates, const Popu
     obstacle.height_m = extent.top_m;
     obstacle.ground_z_m = road.z_m(obstacle.x_m, obstacle.y_m);
     obstacle.box = project_box(extent, projection, road);
-    for (const auto i : members) obstacle.score += flies.fitness[i];
-    obstacle.score /= static_cast<double>(flies.size());
+    obstacle.score = fitness / static_cast<double>(flies.size());
     assembled.push_back({obstacle, std::move(members)});
   }
   std::stable_sort(assembled.begin(), assembled.end(),

@@ -7,11 +7,13 @@ namespace flies {
 struct AssembleOptions {
   bool merge = true;
   double depth_gap_share = 0.06;
-  double lateral_gap_m = 0.4;
+  double lateral_gap_m = 1.2;
+  double see_through_share = 0.3;
   double max_width_m = 3.0;
-  double near_quantile = 0.2;
+  double near_quantile = 0.1;
   double radius_bandwidths = 2.5;
   double min_height_m = 0.3;
+  double min_extent_m = 0.3;
   int min_flies = 3;
 
   template <class Self, class Field>
@@ -20,12 +22,16 @@ struct AssembleOptions {
     field("depth_gap_share", self.depth_gap_share, Range{0, 1},
           "largest gap in depth inside an object, share of range");
     field("lateral_gap_m", self.lateral_gap_m, Range{0, 10}, "largest sideways gap inside an object");
+    field("see_through_share", self.see_through_share, Range{0, 1e6},
+          "fitness seen farther away through a gap, over that of the weaker part, from which the gap splits an object");
     field("max_width_m", self.max_width_m, Range{0.1, 100}, "candidates are not joined to anything wider");
     field("near_quantile", self.near_quantile, Range{0, 1},
           "quantile of the flies' depth that is reported: 0 the nearest fly, 0.5 the median");
     field("radius_bandwidths", self.radius_bandwidths, Range{0.5, 20},
           "a fly belongs to a candidate within this many bandwidths");
     field("min_height_m", self.min_height_m, Range{0, 5}, "obstacles whose top is lower are dropped");
+    field("min_extent_m", self.min_extent_m, Range{0, 5},
+          "obstacles whose flies cover less than this, sideways and upwards, are dropped: one false match is a point");
     field("min_flies", self.min_flies, Range{1, 1000}, "obstacles seen by fewer flies are dropped");
   }
 };
@@ -34,11 +40,11 @@ struct ConcentrateOptions {
   double view_angle_deg = 1.0;
   double half_field_deg = 45.0;
   double bin_m = 0.5;
-  int samples = 2;
+  int samples = 1;
   double bandwidth_px = 6.0;
   int iterations = 6;
   double min_density = 0.0;
-  double min_density_share = 0.05;
+  double min_density_share = 0.03;
   AssembleOptions assemble;
 
   template <class Self, class Field>

@@ -4,7 +4,10 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/evolve/operators.hpp"
@@ -53,6 +56,54 @@ Point3 breed(const Habitat& habitat, const EvolveOptions& options, double mutati
   return mutate(habitat, options.mutation, mutation_scale, any_parent(), random);
 }
 
+void silence_rivalled(const Habitat& habitat, const UniquenessOptions& options, Population& flies) {
+  if (!options.enforce) return;
+  const auto rivalled = find_rivalled(habitat, flies, options);
+  for (std::size_t i = 0; i < flies.size(); ++i)
+    if (rivalled[i]) flies.fitness[i] = 0.0F;
+}
+
+/// Offset of the vertex of the parabola through three equidistant values, in steps from the middle one.
+double parabola_vertex(double before, double middle, double after) {
+  const double curvature = before - 2.0 * middle + after;
+  return curvature < 0.0 ? std::clamp(0.5 * (before - after) / curvature, -1.0, 1.0) : 0.0;
+}
+
+/// The memetic step: moves one fly along its line of sight to the vertex of the parabola through its own fitness and
+/// that of two neighbours in disparity, or to the fitter neighbour, or leaves it. Three evaluations.
+Fly refine(const RectifiedPair& pair, const Projection& projection, const FitnessOptions& fitness, double step_px,
+           const Fly& fly) {
+  const auto at = projection.project(fly.point);
+  const auto score = [&](double offset_px) {
+    return score_point(pair, fitness, {at.u_px, at.v_px, at.disparity_px + offset_px});
+  };
+  const float before = score(-step_px), after = score(step_px);
+  const double vertex_px = step_px * parabola_vertex(before, fly.fitness, after);
+  const std::array<std::pair<float, double>, 4> choices = {
+      {{fly.fitness, 0.0}, {before, -step_px}, {after, step_px}, {score(vertex_px), vertex_px}}};
+  const auto best =
+      std::max_element(choices.begin(), choices.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (best == choices.begin()) return fly;
+  return {projection.triangulate({at.u_px, at.v_px, at.disparity_px + best->second}), best->first};
+}
+
+/// Refines the fittest flies. @returns the number of evaluations
+std::size_t refine_fittest(const RectifiedPair& pair, const Projection& projection, const FitnessOptions& fitness,
+                           const RefineOptions& options, Population& flies) {
+  constexpr std::size_t kEvaluations = 3;
+  const auto count = static_cast<std::size_t>(std::lround(options.share * static_cast<double>(flies.size())));
+  const auto fittest = select_fittest(flies.fitness, count);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, fittest.size(), kFliesPerTask), [&](const auto& range) {
+    for (std::size_t k = range.begin(); k != range.end(); ++k) {
+      const auto i = fittest[k];
+      if (!(flies.fitness[i] > 0.0F)) continue;
+      const auto refined = refine(pair, projection, fitness, options.step_px, flies.fly(i));
+      flies.set(i, refined.point, refined.fitness);
+    }
+  });
+  return kEvaluations * fittest.size();
+}
+
 Population survivors_first(const Population& flies, std::span<const std::uint32_t> survivors) {
   Population next;
   next.resize(flies.size());
@@ -78,6 +129,7 @@ EvolveResult evolve(const RectifiedPair& pair, const Projection& projection, con
   EvolveResult result{first_generation(habitat, options, random, steer_towards), 0};
   auto& flies = result.flies;
   score_flies(pair, projection, fitness, flies, 0, flies.fitness);
+  silence_rivalled(habitat, options.uniqueness, flies);
   result.evaluations = flies.size();
 
   double mutation_scale = 1.0;
@@ -93,9 +145,12 @@ EvolveResult evolve(const RectifiedPair& pair, const Projection& projection, con
     });
     const auto children = std::span(flies.fitness).subspan(survivors.size());
     score_flies(pair, projection, fitness, flies, survivors.size(), children);
+    silence_rivalled(habitat, options.uniqueness, flies);
     result.evaluations += children.size();
     mutation_scale *= options.mutation.cooling;
   }
+  result.evaluations += refine_fittest(pair, projection, fitness, options.refine, flies);
+  silence_rivalled(habitat, options.uniqueness, flies);
   return result;
 }
 

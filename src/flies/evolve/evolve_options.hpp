@@ -18,7 +18,7 @@ struct EnumNames<InitialDistribution> {
 };
 
 struct SharingOptions {
-  int cell_px = 4;
+  int cell_px = 12;
   double strength = 1.0;
 
   template <class Self, class Field>
@@ -28,9 +28,26 @@ struct SharingOptions {
   }
 };
 
+struct UniquenessOptions {
+  bool enforce = true;
+  double reach_u_px = 5.0;
+  double reach_v_px = 7.0;
+  double disparity_px = 2.0;
+  double margin = 1.0;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("enforce", self.enforce, "a fly that a fitter one of other disparity rivals for the same pixels scores 0");
+    field("reach_u_px", self.reach_u_px, Range{0.5, 64}, "flies this close in columns look at the same place");
+    field("reach_v_px", self.reach_v_px, Range{0.5, 64}, "flies this close in rows look at the same place");
+    field("disparity_px", self.disparity_px, Range{0, 64}, "difference of disparity that makes them rivals");
+    field("margin", self.margin, Range{1, 100}, "how many times as fit the rival must be");
+  }
+};
+
 struct MutationOptions {
-  double image_px = 4.0;
-  double disparity_px = 1.0;
+  double image_px = 6.0;
+  double disparity_px = 2.0;
   double cooling = 0.7;
 
   template <class Self, class Field>
@@ -41,16 +58,29 @@ struct MutationOptions {
   }
 };
 
+struct RefineOptions {
+  double share = 0.4;
+  double step_px = 0.5;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("share", self.share, Range{0, 1}, "share of the last population, the fittest, whose disparity is refined");
+    field("step_px", self.step_px, Range{0.0625, 8}, "distance in disparity of the neighbours that are tried");
+  }
+};
+
 struct EvolveOptions {
   int flies = 5000;
   int generations = 6;
   InitialDistribution initial = InitialDistribution::image;
-  double keep_share = 0.4;
+  double keep_share = 0.25;
   double crossover_share = 0.1;
-  double immigration_share = 0.2;
+  double immigration_share = 0.3;
   double steering_share = 0.0;
   SharingOptions sharing;
+  UniquenessOptions uniqueness;
   MutationOptions mutation;
+  RefineOptions refine;
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& f) {
@@ -63,7 +93,9 @@ struct EvolveOptions {
     f("steering_share", self.steering_share, Range{0, 1},
       "share of the children (and of the first flies) drawn on the obstacles of the last pair");
     f("sharing", self.sharing);
+    f("uniqueness", self.uniqueness);
     f("mutation", self.mutation);
+    f("refine", self.refine);
   }
 };
 

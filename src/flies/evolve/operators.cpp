@@ -90,6 +90,61 @@ std::vector<float> share_fitness(std::span<const float> fitness, std::span<const
   return shared;
 }
 
+namespace {
+
+/// What a fly looks at in one of the images.
+struct Look {
+  float u_px = 0.0F, v_px = 0.0F, disparity_px = 0.0F, fitness = 0.0F;
+};
+
+/// Marks every look that has a rival: the fittest look of its own or a neighbouring cell, if that is near enough, of
+/// other disparity and `margin` times as fit. Cells are one reach wide, so nine of them cover the reach.
+void mark_rivalled(std::span<const Look> looks, const Habitat& habitat, const UniquenessOptions& options,
+                   std::vector<bool>& rivalled) {
+  const int columns = static_cast<int>(habitat.width_px / options.reach_u_px) + 3;
+  const int rows = static_cast<int>(habitat.height_px / options.reach_v_px) + 3;
+  std::vector<Look> fittest(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  const auto cell_of = [&](const Look& look) -> std::ptrdiff_t {
+    const double column = std::floor(look.u_px / options.reach_u_px) + 1,
+                 row = std::floor(look.v_px / options.reach_v_px) + 1;
+    if (!(look.fitness > 0.0F) || column < 1 || column > columns - 2 || row < 1 || row > rows - 2) return -1;
+    return static_cast<std::ptrdiff_t>(row) * columns + static_cast<std::ptrdiff_t>(column);
+  };
+  for (const auto& look : looks)
+    if (const auto cell = cell_of(look); cell >= 0 && look.fitness > fittest[static_cast<std::size_t>(cell)].fitness)
+      fittest[static_cast<std::size_t>(cell)] = look;
+  const auto rivals = [&](const Look& look, const Look& other) {
+    return other.fitness > options.margin * look.fitness && std::abs(other.u_px - look.u_px) <= options.reach_u_px &&
+           std::abs(other.v_px - look.v_px) <= options.reach_v_px &&
+           std::abs(other.disparity_px - look.disparity_px) > options.disparity_px;
+  };
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    const auto cell = cell_of(looks[i]);
+    if (cell < 0) continue;
+    for (const std::ptrdiff_t row : {-columns, 0, columns})
+      for (const std::ptrdiff_t column : {-1, 0, 1})
+        if (rivals(looks[i], fittest[static_cast<std::size_t>(cell + row + column)])) rivalled[i] = true;
+  }
+}
+
+}  // namespace
+
+std::vector<bool> find_rivalled(const Habitat& habitat, const Population& flies, const UniquenessOptions& options) {
+  std::vector<Look> left(flies.size()), right(flies.size());
+  for (std::size_t i = 0; i < flies.size(); ++i) {
+    if (!(flies.fitness[i] > 0.0F)) continue;
+    const auto image = habitat.projection.project(flies.point(i));
+    left[i] = {static_cast<float>(image.u_px), static_cast<float>(image.v_px), static_cast<float>(image.disparity_px),
+               flies.fitness[i]};
+    right[i] = left[i];
+    right[i].u_px -= left[i].disparity_px;
+  }
+  std::vector<bool> rivalled(flies.size());
+  mark_rivalled(left, habitat, options, rivalled);
+  mark_rivalled(right, habitat, options, rivalled);
+  return rivalled;
+}
+
 std::vector<std::uint32_t> select_fittest(std::span<const float> shared_fitness, std::size_t count) {
   count = std::min(count, shared_fitness.size());
   std::vector<std::uint32_t> indices(shared_fitness.size());

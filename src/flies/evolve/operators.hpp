@@ -39,6 +39,10 @@ std::vector<float> crowding(const Habitat& habitat, const Population& flies, int
 /// Sharing: fitness divided by crowding to the power of `strength`.
 std::vector<float> share_fitness(std::span<const float> fitness, std::span<const float> crowding, double strength);
 
+/// Uniqueness: a pixel shows one surface. For every fly, whether a fitter fly of clearly other disparity looks at
+/// nearly the same place of the left or of the right image; then at most the fitter one can be right.
+std::vector<bool> find_rivalled(const Habitat& habitat, const Population& flies, const UniquenessOptions& options);
+
 /// Selection: the indices of the `count` largest values, ascending. Equal values: the lower index wins.
 std::vector<std::uint32_t> select_fittest(std::span<const float> shared_fitness, std::size_t count);
 

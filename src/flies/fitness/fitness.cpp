@@ -76,7 +76,7 @@ Correlation correlate(const kernels::PatchPair& patch, const FitnessOptions& opt
 double correlation(const kernels::PatchPair& patch, const FitnessOptions& options) {
   const auto [coefficient, mean_covariance] = correlate(patch, options);
   if (coefficient <= 0.0) return 0.0;
-  return std::pow(coefficient, options.correlation_power) * std::sqrt(mean_covariance);
+  return std::pow(coefficient, options.correlation_power) * std::pow(mean_covariance, options.contrast_power);
 }
 
 }  // namespace

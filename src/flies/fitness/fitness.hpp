@@ -39,7 +39,8 @@ struct FitnessOptions {
   int half_width_px = 6;   ///< uSz: the patch has 2 uSz + 1 columns
   int half_height_px = 9;  ///< vSz: the patch has 2 vSz + 1 rows
   double louchet_constant = 100.0;
-  double correlation_power = 8.0;
+  double correlation_power = 6.0;
+  double contrast_power = 0.25;
   double noise_gray = 2.0;
 
   template <class Self, class Field>
@@ -52,6 +53,8 @@ struct FitnessOptions {
           "added to the summed squared differences of Eq. (1), squared grey levels");
     field("correlation_power", self.correlation_power, Range{1, 32},
           "power of the correlation coefficient (function correlation)");
+    field("contrast_power", self.contrast_power, Range{0, 1},
+          "power of the mean covariance that rewards informative patches (function correlation)");
     field("noise_gray", self.noise_gray, Range{0, 64},
           "standard deviation of image noise, grey levels; lowers the correlation of flat patches");
   }

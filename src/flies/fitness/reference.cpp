@@ -83,7 +83,7 @@ double covariance(const Neighbourhoods& n, const FitnessOptions& options) {
   return std::max(0.0, sum);
 }
 
-/// z^p sqrt(mean covariance), z the correlation coefficient of the row-centred neighbourhoods with a noise floor.
+/// z^p (mean covariance)^q, z the correlation coefficient of the row-centred neighbourhoods with a noise floor.
 double correlation(const Neighbourhoods& n, const FitnessOptions& options) {
   double C = 0.0, left_variance = 0.0, right_variance = 0.0;
   for (int j = -options.half_height_px; j <= options.half_height_px; ++j) {
@@ -96,7 +96,7 @@ double correlation(const Neighbourhoods& n, const FitnessOptions& options) {
   const double pixels = (2.0 * options.half_width_px + 1.0) * (2.0 * options.half_height_px + 1.0);
   const double noise = pixels * options.noise_gray * options.noise_gray;
   const double z = C / std::sqrt((left_variance + noise) * (right_variance + noise));
-  return std::pow(z, options.correlation_power) * std::sqrt(C / pixels);
+  return std::pow(z, options.correlation_power) * std::pow(C / pixels, options.contrast_power);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ struct RoadOptions {
   double max_slope = 0.07;
   double max_bank = 0.05;
   double max_height_m = 0.2;
-  double min_correlation = 0.7;
+  double min_correlation = 0.55;
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {

@@ -35,11 +35,9 @@ RowSums sum_row(const std::uint8_t* left, const std::uint8_t* right, int columns
   return sums;
 }
 
-/// exp(-k / steps) for k = 0, 1, ...: the row means of n columns differ by multiples of 1 / (16 n) grey level.
-/// Beyond 24 grey levels the factor is below 4e-11 and counts as 0.
+/// D of Eq. (2), exp(-|difference of the row means|), from the difference of 16 times the sums.
 double mean_agreement(std::int64_t difference, int columns) {
-  const double levels = static_cast<double>(difference) / (kScale * columns);
-  return levels > 24.0 ? 0.0 : std::exp(-levels);
+  return std::exp(-static_cast<double>(difference) / (kScale * columns));
 }
 
 }  // namespace
