@@ -43,7 +43,7 @@ float slabs(const Material& m, const Vec3& p, float footprint) {
 float plaster(const Material& m, const Vec3& p, float footprint) {
   const Vec3 runs{p.x, p.y, p.z * 0.15F};  // stains run down the wall
   const float stains = 0.13F * fractal_noise(runs, 1.2F, 0.05F, 0.7F, footprint, m.seed);
-  const float grain = 0.12F * fractal_noise(p, 0.4F, 0.01F, 0.85F, footprint, m.seed + 30);
+  const float grain = 0.15F * fractal_noise(p, 0.4F, 0.01F, 0.95F, footprint, m.seed + 30);
   const float splash = 0.25F * std::max(0.0F, 1.0F - p.z / 0.7F);  // dirt above the pavement
   return std::max(0.2F, 1.0F + m.contrast * (stains + grain - splash));
 }
