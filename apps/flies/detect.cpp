@@ -67,7 +67,7 @@ flies::CalibrationRequest calibration_request(const DetectArguments& arguments, 
 
 std::vector<std::string> other_inputs(const DetectArguments& arguments) {
   std::vector<std::string> inputs = {arguments.calib};
-  for (const auto& path : {arguments.right_calib, arguments.method.options_file})
+  for (const auto& path : {arguments.right_calib, arguments.method.options_file, arguments.model})
     if (!path.empty()) inputs.push_back(path);
   return inputs;
 }

@@ -313,7 +313,7 @@ TEST(BadInputs, DamagedLaterPairLeavesOnlyTheFilesOfEarlierOnes) {
   write_street(folder.path());
   write_folders(folder.path(), 2, 2);
   keep_first_bytes(folder.path() / "r" / "1.png", 0.3);
-  const RunResult result = run_flies(folder.path(), detect({}, "l", "r"));
+  const RunResult result = run_flies(folder.path(), detect({"--camera-height", "1.65"}, "l", "r"));
   EXPECT_EQ(result.status, 2);
   EXPECT_EQ(lines(result.err).size(), 1u) << result.err;
   EXPECT_THAT(result.err, ::testing::HasSubstr("r/1.png"));
