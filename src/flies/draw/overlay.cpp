@@ -13,7 +13,9 @@ namespace {
 using namespace paint;
 
 constexpr int kStripHeight_px = 34;
-constexpr int kMinWidth_px = 580;
+/// Room for the legends.
+constexpr int kOverlayMinWidth_px = 470;
+constexpr int kConcentratingMinWidth_px = 580;
 
 void put_overlay_legend(cv::Mat& canvas, int top) {
   constexpr int kBarWidth_px = 160;
@@ -51,7 +53,7 @@ cv::Rect image_area(const cv::Mat& left) { return {0, 0, left.cols, left.rows}; 
 
 cv::Mat draw_overlay(const cv::Mat& left, const std::vector<Obstacle>& obstacles,
                      const std::vector<Pedestrian>& pedestrians) {
-  cv::Mat canvas = with_strip(left, kStripHeight_px, kMinWidth_px);
+  cv::Mat canvas = with_strip(left, kStripHeight_px, kOverlayMinWidth_px);
   cv::Mat image = canvas(image_area(left));
   if (!image.empty()) {
     for (auto obstacle = obstacles.rbegin(); obstacle != obstacles.rend(); ++obstacle)
@@ -71,7 +73,7 @@ cv::Mat draw_overlay(const cv::Mat& left, const std::vector<Obstacle>& obstacles
 }
 
 cv::Mat draw_concentrating(const cv::Mat& left, const ConcentrateResult& result, const std::vector<Roi>& rois) {
-  cv::Mat canvas = with_strip(left, kStripHeight_px, kMinWidth_px);
+  cv::Mat canvas = with_strip(left, kStripHeight_px, kConcentratingMinWidth_px);
   cv::Mat image = canvas(image_area(left));
   const cv::Scalar window_color{255, 200, 0};
   if (!image.empty()) {
