@@ -1,10 +1,24 @@
 #pragma once
 
+#include <array>
+#include <string_view>
+
 #include "flies/core/options.hpp"
 
 namespace flies {
 
+/// What an obstacle's position means.
+enum class ObstaclePosition {
+  near_face,  ///< range of its near face, middle of its width: what a driver brakes for
+  candidate,  ///< where the mean shift ended (METHOD 4.5): inside the object
+};
+template <>
+struct EnumNames<ObstaclePosition> {
+  static constexpr std::array<std::string_view, 2> names = {"near_face", "candidate"};
+};
+
 struct AssembleOptions {
+  ObstaclePosition position = ObstaclePosition::near_face;
   bool merge = true;
   double depth_gap_share = 0.06;
   double lateral_gap_m = 1.2;
@@ -18,6 +32,7 @@ struct AssembleOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
+    field("position", self.position, "near_face: nearest flies, middle of the width; candidate: end of the mean shift");
     field("merge", self.merge, "join candidates that are parts of one object; false: one obstacle per candidate");
     field("depth_gap_share", self.depth_gap_share, Range{0, 1},
           "largest gap in depth inside an object, share of range");
@@ -26,7 +41,7 @@ struct AssembleOptions {
           "fitness seen farther away through a gap, over that of the weaker part, from which the gap splits an object");
     field("max_width_m", self.max_width_m, Range{0.1, 100}, "candidates are not joined to anything wider");
     field("near_quantile", self.near_quantile, Range{0, 1},
-          "quantile of the flies' depth that is reported: 0 the nearest fly, 0.5 the median");
+          "quantile of the flies' range that counts as the near face: 0 the nearest fly");
     field("radius_bandwidths", self.radius_bandwidths, Range{0.5, 20},
           "a fly belongs to a candidate within this many bandwidths");
     field("min_height_m", self.min_height_m, Range{0, 5}, "obstacles whose top is lower are dropped");
