@@ -38,9 +38,10 @@ std::vector<Part> divide_flies(const std::vector<Candidate>& candidates, const P
 }
 
 /// Big enough, and seen by enough flies, to be more than a false match.
-bool is_obstacle(const Part& part, const AssembleOptions& options) {
+bool is_obstacle(const Part& part, const Projection& projection, const AssembleOptions& options) {
+  const double least_top_m = options.min_height_m + options.min_height_px * part.extent.near_m / projection.fy_px();
   const double covered_m = std::max(part.extent.width_m(), part.extent.top_m - part.extent.bottom_m);
-  return static_cast<int>(part.members.size()) >= options.min_flies && part.extent.top_m >= options.min_height_m &&
+  return static_cast<int>(part.members.size()) >= options.min_flies && part.extent.top_m >= least_top_m &&
          covered_m >= options.min_extent_m;
 }
 
@@ -82,7 +83,7 @@ Assembly assemble_obstacles(const std::vector<Candidate>& candidates, const Popu
                             const ConcentrateOptions& options) {
   auto parts = divide_flies(candidates, flies, dropped, road, options);
   if (options.assemble.merge) parts = join_parts(std::move(parts), flies, road, options.assemble);
-  std::erase_if(parts, [&](const Part& part) { return !is_obstacle(part, options.assemble); });
+  std::erase_if(parts, [&](const Part& part) { return !is_obstacle(part, projection, options.assemble); });
 
   Assembly result{{}, std::vector<int>(flies.size(), -1)};
   std::vector<std::pair<Obstacle, const Part*>> found;

@@ -27,6 +27,7 @@ struct AssembleOptions {
   double near_quantile = 0.1;
   double radius_bandwidths = 2.5;
   double min_height_m = 0.3;
+  double min_height_px = 9.0;
   double min_extent_m = 0.3;
   int min_flies = 3;
 
@@ -45,6 +46,8 @@ struct AssembleOptions {
     field("radius_bandwidths", self.radius_bandwidths, Range{0.5, 20},
           "a fly belongs to a candidate within this many bandwidths");
     field("min_height_m", self.min_height_m, Range{0, 5}, "obstacles whose top is lower are dropped");
+    field("min_height_px", self.min_height_px, Range{0, 100},
+          "added to that: a fly this far above a marking still has it in its neighbourhood (fitness.half_height_px)");
     field("min_extent_m", self.min_extent_m, Range{0, 5},
           "obstacles whose flies cover less than this, sideways and upwards, are dropped: one false match is a point");
     field("min_flies", self.min_flies, Range{1, 1000}, "obstacles seen by fewer flies are dropped");

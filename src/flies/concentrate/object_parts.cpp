@@ -36,7 +36,8 @@ Extent measure(const std::vector<std::size_t>& members, const Population& flies,
   std::vector<WeightedValue> range_m, azimuth_rad, height_m;
   for (const auto i : members) {
     const double x = flies.x_m[i], y = flies.y_m[i], weight = flies.fitness[i];
-    range_m.push_back({std::hypot(x, y), weight});
+    // The fittest flies sit closest to the surface; for the range they count twice over.
+    range_m.push_back({std::hypot(x, y), weight * weight});
     azimuth_rad.push_back({std::atan2(y, x), weight});
     height_m.push_back({flies.z_m[i] - road.z_m(x, y), weight});
   }

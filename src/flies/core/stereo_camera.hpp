@@ -81,6 +81,7 @@ class Projection {
   /// Disparity of a point at infinity; 0 unless the principal points of the two images differ.
   double disparity_offset_px() const { return disparity_offset_px_; }
   double fx_px() const { return fx_px_; }
+  double fy_px() const { return fy_px_; }
   double cy_px() const { return cy_px_; }
   double height_m() const { return height_m_; }  ///< of the camera above the nominal ground
 

@@ -26,6 +26,7 @@ DetectorOptions paper_options() {
   o.concentrate.assemble.merge = false;
   o.concentrate.assemble.min_extent_m = 0.0;
   o.concentrate.assemble.min_height_m = 0.0;
+  o.concentrate.assemble.min_height_px = 0.0;
   o.concentrate.assemble.min_flies = 1;
   return o;
 }
