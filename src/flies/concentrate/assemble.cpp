@@ -37,12 +37,15 @@ std::vector<Part> divide_flies(const std::vector<Candidate>& candidates, const P
   return parts;
 }
 
+double score(const Part& part, std::size_t population) { return part.fitness / static_cast<double>(population); }
+
 /// Big enough, and seen by enough flies, to be more than a false match.
-bool is_obstacle(const Part& part, const Projection& projection, const AssembleOptions& options) {
+bool is_obstacle(const Part& part, std::size_t population, const Projection& projection,
+                 const AssembleOptions& options) {
   const double least_top_m = options.min_height_m + options.min_height_px * part.extent.near_m / projection.fy_px();
   const double covered_m = std::max(part.extent.width_m(), part.extent.top_m - part.extent.bottom_m);
-  return static_cast<int>(part.members.size()) >= options.min_flies && part.extent.top_m >= least_top_m &&
-         covered_m >= options.min_extent_m;
+  return score(part, population) >= options.min_score && static_cast<int>(part.members.size()) >= options.min_flies &&
+         part.extent.top_m >= least_top_m && covered_m >= options.min_extent_m;
 }
 
 /// The box from the road to the top, at the near face.
@@ -71,7 +74,7 @@ Obstacle make_obstacle(const Part& part, std::size_t population, const Projectio
   obstacle.width_m = part.extent.width_m();
   obstacle.height_m = part.extent.top_m;
   obstacle.ground_z_m = road.z_m(x_m, y_m);
-  obstacle.score = part.fitness / static_cast<double>(population);
+  obstacle.score = score(part, population);
   obstacle.box = project_box(part.extent, projection, road);
   return obstacle;
 }
@@ -83,7 +86,8 @@ Assembly assemble_obstacles(const std::vector<Candidate>& candidates, const Popu
                             const ConcentrateOptions& options) {
   auto parts = divide_flies(candidates, flies, dropped, road, options);
   if (options.assemble.merge) parts = join_parts(std::move(parts), flies, road, options.assemble);
-  std::erase_if(parts, [&](const Part& part) { return !is_obstacle(part, projection, options.assemble); });
+  std::erase_if(parts,
+                [&](const Part& part) { return !is_obstacle(part, flies.size(), projection, options.assemble); });
 
   Assembly result{{}, std::vector<int>(flies.size(), -1)};
   std::vector<std::pair<Obstacle, const Part*>> found;

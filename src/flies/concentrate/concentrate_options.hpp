@@ -28,7 +28,8 @@ struct AssembleOptions {
   double radius_bandwidths = 2.5;
   double min_height_m = 0.3;
   double min_height_px = 9.0;
-  double min_extent_m = 0.3;
+  double min_extent_m = 0.4;
+  double min_score = 0.003;
   int min_flies = 3;
 
   template <class Self, class Field>
@@ -50,6 +51,8 @@ struct AssembleOptions {
           "added to that: a fly this far above a marking still has it in its neighbourhood (fitness.half_height_px)");
     field("min_extent_m", self.min_extent_m, Range{0, 5},
           "obstacles whose flies cover less than this, sideways and upwards, are dropped: one false match is a point");
+    field("min_score", self.min_score, Range{0, 1e12},
+          "obstacles of lower score are dropped: summed fitness of their flies over the size of the population");
     field("min_flies", self.min_flies, Range{1, 1000}, "obstacles seen by fewer flies are dropped");
   }
 };

@@ -40,7 +40,8 @@ Population first_generation(const Habitat& habitat, const EvolveOptions& options
   fill(flies, 0, [&](std::size_t i) {
     auto random = stream(source, kFirstGeneration, 0, i);
     const bool steered = !steer_towards.empty() && random.uniform() < options.steering_share;
-    return steered ? steer(habitat, steer_towards, random) : spawn(habitat, options.initial, random);
+    return steered ? steer(habitat, steer_towards, random)
+                   : spawn(habitat, options.initial, options.informative_gray, random);
   });
   return flies;
 }
@@ -50,7 +51,8 @@ Point3 breed(const Habitat& habitat, const EvolveOptions& options, double mutati
              std::size_t parent_count, std::span<const Obstacle> steer_towards, FlyRandom& random) {
   const auto any_parent = [&] { return parents.point(random.below(static_cast<std::uint32_t>(parent_count))); };
   double lot = random.uniform();
-  if (parent_count == 0 || (lot -= options.immigration_share) < 0.0) return spawn(habitat, options.initial, random);
+  if (parent_count == 0 || (lot -= options.immigration_share) < 0.0)
+    return spawn(habitat, options.initial, options.informative_gray, random);
   if (!steer_towards.empty() && (lot -= options.steering_share) < 0.0) return steer(habitat, steer_towards, random);
   if ((lot -= options.crossover_share) < 0.0) return cross(any_parent(), any_parent(), random);
   return mutate(habitat, options.mutation, mutation_scale, any_parent(), random);
@@ -125,7 +127,7 @@ void check_evolve_options(const EvolveOptions& options, const std::string& sourc
 EvolveResult evolve(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road,
                     const FieldOptions& field, const FitnessOptions& fitness, const EvolveOptions& options,
                     const RandomSource& random, std::span<const Obstacle> steer_towards) {
-  const Habitat habitat{projection, pair.left.width_px, pair.left.height_px, road, field};
+  const Habitat habitat{projection, pair.left, road, field};
   EvolveResult result{first_generation(habitat, options, random, steer_towards), 0};
   auto& flies = result.flies;
   score_flies(pair, projection, fitness, flies, 0, flies.fitness);

@@ -59,7 +59,7 @@ struct MutationOptions {
 };
 
 struct RefineOptions {
-  double share = 0.4;
+  double share = 0.3;
   double step_px = 0.5;
 
   template <class Self, class Field>
@@ -70,12 +70,13 @@ struct RefineOptions {
 };
 
 struct EvolveOptions {
-  int flies = 5000;
-  int generations = 6;
+  int flies = 8000;
+  int generations = 3;
   InitialDistribution initial = InitialDistribution::image;
+  double informative_gray = 12.0;
   double keep_share = 0.25;
   double crossover_share = 0.1;
-  double immigration_share = 0.3;
+  double immigration_share = 0.5;
   double steering_share = 0.0;
   SharingOptions sharing;
   UniquenessOptions uniqueness;
@@ -87,6 +88,8 @@ struct EvolveOptions {
     f("flies", self.flies, Range{1, 10'000'000}, "size of the population");
     f("generations", self.generations, Range{0, 1000}, "rounds of selection and re-generation");
     f("initial", self.initial, "image: uniform in u, disparity and height; space: uniform in x, y and z");
+    f("informative_gray", self.informative_gray, Range{0, 255},
+      "first flies and immigrants are drawn again while grey levels beside their projection differ by less; 0 for off");
     f("keep_share", self.keep_share, Range{0, 1}, "share of the population that selection keeps");
     f("crossover_share", self.crossover_share, Range{0, 1}, "share of the children that are crossed");
     f("immigration_share", self.immigration_share, Range{0, 1}, "share of the children that are drawn anew");

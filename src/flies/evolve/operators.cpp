@@ -11,17 +11,20 @@ namespace {
 /// Draws that may miss the habitat before the operator settles for less; bounds the time of every child.
 constexpr int kMaxDraws = 16;
 
+/// Half the width of the default patch: contrast within it is what the fitness will see.
+constexpr int kContrastReach_px = 6;
+
 /// Spread of steered flies about the near face, as a share of the range: as uncertain as a good stereo range.
 constexpr double kSteeringDepthSpread = 0.03;
 
 bool in_image(const Habitat& habitat, const StereoPoint& p) {
-  return p.u_px >= 0.0 && p.u_px <= habitat.width_px - 1 && p.v_px >= 0.0 && p.v_px <= habitat.height_px - 1;
+  return p.u_px >= 0.0 && p.u_px <= habitat.left.width_px - 1 && p.v_px >= 0.0 && p.v_px <= habitat.left.height_px - 1;
 }
 
 /// A point of the field with uniform image column, disparity and height above the road.
 Point3 draw_in_image(const Habitat& habitat, FlyRandom& random) {
   const auto& field = habitat.field;
-  const double u_px = random.uniform(0.0, habitat.width_px - 1);
+  const double u_px = random.uniform(0.0, habitat.left.width_px - 1);
   const double height_m = random.uniform(field.z_min_m, field.z_max_m);
   const double disparity_px = random.uniform(habitat.projection.disparity_at_depth(field.x_max_m),
                                              habitat.projection.disparity_at_depth(field.x_min_m));
@@ -45,19 +48,29 @@ bool in_habitat(const Habitat& habitat, const Point3& point) {
          in_image(habitat, habitat.projection.project(point));
 }
 
-Point3 spawn(const Habitat& habitat, InitialDistribution distribution, FlyRandom& random) {
+int row_contrast(const GrayView& left, const StereoPoint& point) {
+  const int u = static_cast<int>(std::lround(point.u_px)), v = static_cast<int>(std::lround(point.v_px));
+  if (u < 0 || u >= left.width_px || v < 0 || v >= left.height_px) return 0;
+  const std::uint8_t* row = left.row(v);
+  const auto [darkest, brightest] = std::minmax_element(row + std::max(u - kContrastReach_px, 0),
+                                                        row + std::min(u + kContrastReach_px + 1, left.width_px));
+  return *brightest - *darkest;
+}
+
+Point3 spawn(const Habitat& habitat, InitialDistribution distribution, double informative_gray, FlyRandom& random) {
   Point3 point;
   for (int draw = 0; draw < kMaxDraws; ++draw) {
     point =
         distribution == InitialDistribution::image ? draw_in_image(habitat, random) : draw_in_space(habitat, random);
-    if (in_habitat(habitat, point)) break;
+    if (in_habitat(habitat, point) && row_contrast(habitat.left, habitat.projection.project(point)) >= informative_gray)
+      break;
   }
   return point;
 }
 
 std::vector<float> crowding(const Habitat& habitat, const Population& flies, int cell_px) {
   // One cell of margin on every side lets the neighbours of border cells be counted without a test.
-  const int columns = habitat.width_px / cell_px + 3, rows = habitat.height_px / cell_px + 3;
+  const int columns = habitat.left.width_px / cell_px + 3, rows = habitat.left.height_px / cell_px + 3;
   std::vector<std::uint32_t> counts(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   std::vector<std::ptrdiff_t> cell_of_fly(flies.size(), -1);
   for (std::size_t i = 0; i < flies.size(); ++i) {
@@ -101,8 +114,8 @@ struct Look {
 /// other disparity and `margin` times as fit. Cells are one reach wide, so nine of them cover the reach.
 void mark_rivalled(std::span<const Look> looks, const Habitat& habitat, const UniquenessOptions& options,
                    std::vector<bool>& rivalled) {
-  const int columns = static_cast<int>(habitat.width_px / options.reach_u_px) + 3;
-  const int rows = static_cast<int>(habitat.height_px / options.reach_v_px) + 3;
+  const int columns = static_cast<int>(habitat.left.width_px / options.reach_u_px) + 3;
+  const int rows = static_cast<int>(habitat.left.height_px / options.reach_v_px) + 3;
   std::vector<Look> fittest(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   const auto cell_of = [&](const Look& look) -> std::ptrdiff_t {
     const double column = std::floor(look.u_px / options.reach_u_px) + 1,

@@ -6,6 +6,7 @@
 
 #include "flies/core/field.hpp"
 #include "flies/core/fly.hpp"
+#include "flies/core/gray_view.hpp"
 #include "flies/core/random.hpp"
 #include "flies/core/results.hpp"
 #include "flies/core/road.hpp"
@@ -19,8 +20,7 @@ namespace flies {
 /// What the operators need to know of the scene: where flies may live.
 struct Habitat {
   Projection projection;
-  int width_px = 0;  ///< of the images
-  int height_px = 0;
+  GrayView left;  ///< the left image
   RoadPlane road;
   FieldOptions field;
 };
@@ -28,9 +28,13 @@ struct Habitat {
 /// True when the point lies in the field of detection and falls into the left image.
 bool in_habitat(const Habitat& habitat, const Point3& point);
 
-/// A random point of the habitat, for the first generation and for immigration. After a bounded number of draws that
-/// miss the image the last draw inside the field of detection is returned.
-Point3 spawn(const Habitat& habitat, InitialDistribution distribution, FlyRandom& random);
+/// Largest difference of grey levels along the row through a point of the left image, a patch wide. Places without
+/// horizontal variation cannot be matched, however the fitness is defined. 0 outside the image.
+int row_contrast(const GrayView& left, const StereoPoint& point);
+
+/// A random point of the habitat, for the first generation and for immigration, that projects to a place of at least
+/// `informative_gray` row contrast. After a bounded number of draws the last one is returned as it is.
+Point3 spawn(const Habitat& habitat, InitialDistribution distribution, double informative_gray, FlyRandom& random);
 
 /// Crowding: how many flies share the image cell of each fly. Every fly counts 2 in its own cell and 1 in the four
 /// next to it (Louchet); the result is that count over 2, at least 1 for every fly that falls into the image.

@@ -14,6 +14,7 @@ DetectorOptions paper_options() {
   o.road.estimate = false;
   o.evolve.flies = 3000;
   o.evolve.generations = 3;
+  o.evolve.informative_gray = 0.0;
   o.evolve.keep_share = 0.5;
   o.evolve.crossover_share = 0.2;
   o.evolve.immigration_share = 0.1;
@@ -27,6 +28,7 @@ DetectorOptions paper_options() {
   o.concentrate.assemble.min_extent_m = 0.0;
   o.concentrate.assemble.min_height_m = 0.0;
   o.concentrate.assemble.min_height_px = 0.0;
+  o.concentrate.assemble.min_score = 0.0;
   o.concentrate.assemble.min_flies = 1;
   return o;
 }
