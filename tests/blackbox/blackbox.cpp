@@ -92,8 +92,8 @@ void print_summary(const std::vector<ScoredFrame>& frames) {
     scores.push_back(frame.score);
   }
   const Measures measures = summarize(truths, scores);
-  fmt::print("recall {}, precision {}, range error {}, obstacles a frame {:.1f}\n", percent(measures.recall),
-             percent(measures.precision), percent(measures.range_error), measures.obstacles_per_frame);
+  fmt::print("recall {}, precision {}, range error {}, obstacles a frame {:.1f}\n", percent(measures.all.recall),
+             percent(measures.all.precision), percent(measures.all.range_error), measures.obstacles_per_frame);
 }
 
 }  // namespace flies::blackbox

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "flies/core/results.hpp"
+#include "flies/eval/measures.hpp"
 #include "flies/eval/score.hpp"
 #include "flies/eval/truth.hpp"
 #include "flies/pipeline/detector.hpp"

@@ -24,6 +24,7 @@ constexpr double kMinFree = 0.5;     // of a box whose occlusion is labelled "un
 constexpr double kMinDepth_m = 0.5;  // objects beside and behind the camera are not looked at
 constexpr int kFullyOccluded = 2, kOcclusionUnknown = 3, kOutsideImage = 2;
 
+using detail::LidarPlace;
 using detail::parse_number;
 using Matrix3 = std::array<std::array<double, 3>, 3>;
 
@@ -51,19 +52,6 @@ Matrix3 matrix3(const std::vector<double>& v, std::size_t columns) {
 Point3 left_camera_offset(const std::vector<double>& p) {
   return {(p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]};
 }
-
-/// lidar -> camera 0 -> rectified camera 0 -> left camera.
-struct LidarPlace {
-  Matrix3 camera0_from_lidar{};
-  Point3 camera0_from_lidar_shift;
-  Matrix3 rectification{};
-  Point3 left_offset;
-
-  Point3 in_left_camera(const Point3& in_lidar) const {
-    const Point3 in_camera0 = add(rotate(camera0_from_lidar, in_lidar), camera0_from_lidar_shift);
-    return add(rotate(rectification, in_camera0), left_offset);
-  }
-};
 
 LidarPlace read_drive_place(const std::filesystem::path& day, int left_camera) {
   const NumberTable lidar = read_number_table((day / "calib_velo_to_cam.txt").string());
@@ -196,39 +184,48 @@ std::vector<KittiLabel> parse_labels(std::string_view text, const std::string& s
   return labels;
 }
 
+Point3 detail::LidarPlace::in_left_camera(const Point3& in_lidar) const {
+  const Point3 in_camera0 = add(rotate(camera0_from_lidar, in_lidar), camera0_from_lidar_shift);
+  return add(rotate(rectification, in_camera0), left_offset);
+}
+
+KittiDrive::KittiDrive(const std::filesystem::path& drive, const StereoCamera& camera, int left_camera)
+    : drive_(drive), camera_(camera), place_(read_drive_place(drive.parent_path(), left_camera)) {
+  check_has_size(camera);
+  const auto tracklets = drive / "tracklet_labels.xml";
+  poses_ = parse_tracklets(detail::read_file(tracklets), tracklets.string());
+}
+
+FrameTruth KittiDrive::read(const std::string& name) const {
+  FrameTruth truth;
+  truth.name = name;
+  truth.frame = static_cast<int>(
+      parse_number(name.substr(std::min(name.find_first_not_of('0'), name.size() - 1)), drive_.string(), "image name"));
+  truth.lidar = read_lidar(drive_ / "velodyne_points" / "data" / (name + ".bin"), place_, camera_);
+  std::vector<bool> labelled_in_view;
+  for (const auto& pose : poses_) {
+    if (pose.frame != truth.frame || place_.in_left_camera(pose.bottom_centre).z_m < 2 * kMinDepth_m) continue;
+    truth.objects.push_back(place_tracklet(pose, place_, camera_));
+    labelled_in_view.push_back(pose.occlusion != kFullyOccluded && pose.truncation < kOutsideImage);
+  }
+  measure_visibility(camera_, truth);
+  for (std::size_t i = 0; i < truth.objects.size(); ++i) {
+    auto& object = truth.objects[i];
+    object.visible = labelled_in_view[i] && object.in_view_fraction >= kMinInView &&
+                     (truth.lidar.empty() || object.lidar_points >= kMinLidarPoints);
+  }
+  return truth;
+}
+
 std::vector<FrameTruth> read_kitti_drive(const std::filesystem::path& drive, const StereoCamera& camera,
                                          int left_camera) {
-  check_has_size(camera);
-  const LidarPlace place = read_drive_place(drive.parent_path(), left_camera);
-  const auto tracklets_path = drive / "tracklet_labels.xml";
-  const auto poses = parse_tracklets(detail::read_file(tracklets_path), tracklets_path.string());
-
+  const KittiDrive truth(drive, camera, left_camera);
   const auto images = drive / fmt::format("image_{:02}", left_camera) / "data";
   if (!std::filesystem::is_directory(images)) throw InputError(images.string(), "", "is not a folder");
   std::set<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(images)) names.insert(entry.path().stem().string());
-
   std::vector<FrameTruth> frames;
-  for (const auto& name : names) {
-    FrameTruth truth;
-    truth.name = name;
-    truth.frame = static_cast<int>(parse_number(name.substr(std::min(name.find_first_not_of('0'), name.size() - 1)),
-                                                images.string(), "image name"));
-    truth.lidar = read_lidar(drive / "velodyne_points" / "data" / (name + ".bin"), place, camera);
-    std::vector<bool> labelled_in_view;
-    for (const auto& pose : poses) {
-      if (pose.frame != truth.frame || place.in_left_camera(pose.bottom_centre).z_m < 2 * kMinDepth_m) continue;
-      truth.objects.push_back(place_tracklet(pose, place, camera));
-      labelled_in_view.push_back(pose.occlusion != kFullyOccluded && pose.truncation < kOutsideImage);
-    }
-    measure_visibility(camera, truth);
-    for (std::size_t i = 0; i < truth.objects.size(); ++i) {
-      auto& object = truth.objects[i];
-      object.visible = labelled_in_view[i] && object.in_view_fraction >= kMinInView &&
-                       (truth.lidar.empty() || object.lidar_points >= kMinLidarPoints);
-    }
-    frames.push_back(std::move(truth));
-  }
+  for (const auto& name : names) frames.push_back(truth.read(name));
   return frames;
 }
 

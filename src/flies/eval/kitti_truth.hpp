@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -9,6 +10,20 @@
 #include "flies/eval/truth.hpp"
 
 namespace flies {
+
+namespace detail {
+
+/// lidar -> camera 0 -> rectified camera 0 -> left camera.
+struct LidarPlace {
+  std::array<std::array<double, 3>, 3> camera0_from_lidar{};
+  Point3 camera0_from_lidar_shift;
+  std::array<std::array<double, 3>, 3> rectification{};
+  Point3 left_offset;
+
+  Point3 in_left_camera(const Point3& in_lidar) const;
+};
+
+}  // namespace detail
 
 /// A box of KITTI's tracklet_labels.xml in one frame, in the lidar's frame (x forward, y left, z up).
 struct TrackletPose {
@@ -41,12 +56,28 @@ struct KittiLabel {
 /// @throws InputError naming the line when it does not hold 15 (or, with a score, 16) fields
 std::vector<KittiLabel> parse_labels(std::string_view text, const std::string& source);
 
-/// Truth of a KITTI raw drive folder (synced and rectified), one entry per frame with an image, in order.
+/// Truth of a KITTI raw drive folder (synced and rectified), read frame by frame.
 /// An object is `visible` when at least half of its box lies in the image, its label is neither fully occluded nor
 /// outside the image, and at least `kMinLidarPoints` lidar returns lie on it (without lidar: the label alone).
-/// @param camera      the left camera; its mount places the vehicle frame
-/// @param left_camera which of the cameras 0 to 3 that is: their places differ
-/// @throws InputError when tracklet_labels.xml or the calibration beside the drive is missing or malformed
+class KittiDrive {
+ public:
+  /// @param camera      the left camera; its mount places the vehicle frame
+  /// @param left_camera which of the cameras 0 to 3 that is: their places differ
+  /// @throws InputError when tracklet_labels.xml or the calibration beside the drive is missing or malformed
+  KittiDrive(const std::filesystem::path& drive, const StereoCamera& camera, int left_camera);
+
+  /// @param name stem of the frame's image, a number
+  /// @throws InputError when the name is no number or the lidar file is damaged
+  FrameTruth read(const std::string& name) const;
+
+ private:
+  std::filesystem::path drive_;
+  StereoCamera camera_;
+  detail::LidarPlace place_;
+  std::vector<TrackletPose> poses_;
+};
+
+/// The truth of every frame with an image, in order.
 std::vector<FrameTruth> read_kitti_drive(const std::filesystem::path& drive, const StereoCamera& camera,
                                          int left_camera);
 

@@ -23,6 +23,11 @@ double number(const nlohmann::json& object, const char* key, const std::string& 
   return found->get<double>();
 }
 
+double number_or(double otherwise, const nlohmann::json& object, const char* key, const std::string& source,
+                 const std::string& where) {
+  return object.contains(key) ? number(object, key, source, where) : otherwise;
+}
+
 int occlusion_level(double hidden) { return hidden < kPartlyHidden ? 0 : hidden < kLargelyHidden ? 1 : 2; }
 
 }  // namespace
@@ -40,6 +45,9 @@ FrameTruth parse_scene_truth(std::string_view text, const std::string& source) {
       throw InputError(source, where + ".class", "found none, expected a text");
     }
     const auto value = [&](const char* key) { return number(entry, key, source, where); };
+    const auto value_or = [&](const char* key, double otherwise) {
+      return number_or(otherwise, entry, key, source, where);
+    };
     LabelledObject object;
     object.type = entry["class"].get<std::string>();
     const bool is_background = object.type == "wall" || object.type == "hedge";
@@ -47,14 +55,15 @@ FrameTruth parse_scene_truth(std::string_view text, const std::string& source) {
       object.type[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(object.type[0])));
     }
     object.track = static_cast<int>(truth.objects.size());
-    object.footprint = {value("x_m"), value("y_m"), value("yaw_rad"), value("length_m"), value("width_m")};
-    object.bottom_z_m = value("z_m");
+    object.footprint = {value("x_m"), value("y_m"), value_or("yaw_rad", 0.0), value("length_m"), value("width_m")};
+    object.bottom_z_m = value_or("z_m", 0.0);
     object.height_m = value("height_m");
-    object.truncation = value("truncation");
+    object.truncation = value_or("truncation", 0.0);
     object.in_view_fraction = 1.0 - object.truncation;
-    object.occlusion = occlusion_level(value("occlusion"));
-    object.visible = !is_background && value("occlusion") < kLargelyHidden && object.truncation <= kMaxTruncation &&
-                     value("visible_px") >= kMinVisible_px;
+    const double hidden = value_or("occlusion", 0.0);
+    object.occlusion = occlusion_level(hidden);
+    object.visible = !is_background && hidden < kLargelyHidden && object.truncation <= kMaxTruncation &&
+                     value_or("visible_px", kMinVisible_px) >= kMinVisible_px;
     truth.objects.push_back(std::move(object));
   }
   return truth;

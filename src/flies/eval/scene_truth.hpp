@@ -8,9 +8,9 @@
 
 namespace flies {
 
-/// Reads the truth of a synthetic scene: `{"objects": [{"class", "x_m", "y_m", "z_m", "yaw_rad", "length_m",
-/// "width_m", "height_m", "truncation", "occlusion", "visible_px"}, ...]}`, positions in the vehicle frame, further
-/// keys ignored. Any program may write it.
+/// Reads the truth of one pair in our own format, which synthetic scenes come in (docs/evaluation.md): `{"objects":
+/// [{"class", "x_m", "y_m", "length_m", "width_m", "height_m", and optionally "z_m", "yaw_rad", "truncation",
+/// "occlusion", "visible_px"}, ...]}`, positions in the vehicle frame, further keys ignored. Any program may write it.
 /// Classes keep their name with a capital. Everything but walls and hedges, which reach along the street, is `visible`
 /// when less than half of it is hidden, at most half lies outside the image and 100 pixels show it.
 /// @param source file name for errors

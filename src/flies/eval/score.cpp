@@ -1,12 +1,8 @@
 #include "flies/eval/score.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cassert>
 #include <cmath>
-#include <limits>
-#include <map>
+#include <optional>
 
 namespace flies {
 namespace {
@@ -27,11 +23,6 @@ double quantile(std::vector<double> values, double q) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
-}
-
-std::optional<double> median(std::vector<double> values) {
-  if (values.empty()) return std::nullopt;
-  return quantile(std::move(values), 0.5);
 }
 
 double near_face_m(const FrameTruth& truth, const LabelledObject& object, const Obstacle& obstacle) {
@@ -62,20 +53,6 @@ int nearest_object(const FrameTruth& truth, const Obstacle& obstacle, double rad
   return nearest;
 }
 
-void add(Rate& rate, bool hit) {
-  rate.hits += hit;
-  ++rate.total;
-}
-
-std::string band_name(double range_m) {
-  for (std::size_t i = 0; i + 1 < kRangeBands_m.size(); ++i) {
-    if (range_m < kRangeBands_m[i + 1] || i + 2 == kRangeBands_m.size()) {
-      return fmt::format("{:.0f}-{:.0f} m", kRangeBands_m[i], kRangeBands_m[i + 1]);
-    }
-  }
-  return {};
-}
-
 }  // namespace
 
 FrameScore score_frame(const FrameTruth& truth, std::span<const Obstacle> obstacles, const MatchOptions& options) {
@@ -85,6 +62,7 @@ FrameScore score_frame(const FrameTruth& truth, std::span<const Obstacle> obstac
   for (const auto& obstacle : obstacles) {
     const double radius_m = options.radius_at_m(obstacle.range_m);
     ObstacleVerdict verdict;
+    verdict.range_m = obstacle.range_m;
     verdict.object = nearest_object(truth, obstacle, radius_m);
     verdict.right =
         score.has_lidar ? lidar_points_near(truth, obstacle, options) >= options.min_lidar_points : verdict.object >= 0;
@@ -123,62 +101,6 @@ std::vector<Obstacle> as_obstacles(std::span<const Pedestrian> pedestrians) {
     obstacles.push_back(obstacle);
   }
   return obstacles;
-}
-
-bool is_person(const LabelledObject& object) {
-  return object.type == "Pedestrian" || object.type == "Cyclist" || object.type == "Person_sitting" ||
-         object.type == "Person (sitting)";
-}
-
-Measures summarize(std::span<const FrameTruth> truths, std::span<const FrameScore> scores) {
-  assert(truths.size() == scores.size());
-  Measures measures;
-  std::map<std::string, Rate> by_class;
-  for (std::size_t i = 0; i + 1 < kRangeBands_m.size(); ++i) {
-    measures.recall_by_range.push_back({band_name(kRangeBands_m[i]), {}});
-  }
-  std::vector<double> signed_errors, absolute_errors, width_errors, height_errors;
-  int obstacles = 0, reports = 0, reported_objects = 0;
-
-  for (std::size_t f = 0; f < truths.size(); ++f) {
-    const auto& truth = truths[f];
-    const auto& score = scores[f];
-    obstacles += static_cast<int>(score.obstacles.size());
-    for (const auto& verdict : score.obstacles) {
-      add(score.has_lidar ? measures.precision : measures.label_precision, verdict.right);
-      if (verdict.object < 0 || !score.objects[static_cast<std::size_t>(verdict.object)].counted) continue;
-      signed_errors.push_back(verdict.range_error_m / verdict.near_range_m);
-      absolute_errors.push_back(std::abs(signed_errors.back()));
-      width_errors.push_back(verdict.width_error_m);
-      height_errors.push_back(verdict.height_error_m);
-    }
-    for (std::size_t i = 0; i < truth.objects.size(); ++i) {
-      const auto& object = truth.objects[i];
-      const auto& verdict = score.objects[i];
-      if (!verdict.counted) continue;
-      const double range_m = near_range_m(object.footprint);
-      add(measures.recall, verdict.found);
-      add(by_class[object.type], verdict.found);
-      for (auto& part : measures.recall_by_range) {
-        if (part.name == band_name(range_m)) add(part.recall, verdict.found);
-      }
-      if (is_person(object) && range_m <= kPeopleReach_m) add(measures.people_recall, verdict.found);
-      if (!verdict.found) measures.missed.push_back({truth.frame, truth.name, object});
-      if (verdict.reports > 0) {
-        reports += verdict.reports;
-        ++reported_objects;
-      }
-    }
-  }
-  for (const auto& [name, rate] : by_class) measures.recall_by_class.push_back({name, rate});
-  measures.range_error = median(signed_errors);
-  measures.absolute_range_error = median(absolute_errors);
-  measures.width_error_m = median(width_errors);
-  measures.height_error_m = median(height_errors);
-  if (!truths.empty())
-    measures.obstacles_per_frame = static_cast<double>(obstacles) / static_cast<double>(truths.size());
-  if (reported_objects > 0) measures.reports_per_found_object = static_cast<double>(reports) / reported_objects;
-  return measures;
 }
 
 }  // namespace flies

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <array>
-#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "flies/core/options.hpp"
@@ -38,6 +35,7 @@ struct MatchOptions {
 
 /// What the truth says about one reported obstacle.
 struct ObstacleVerdict {
+  double range_m = 0.0;         ///< as reported
   bool right = false;           ///< something stands there: by lidar, or where there is none by any label
   int object = -1;              ///< index of the labelled object it was reported for, -1 when it is near none
   double near_range_m = 0.0;    ///< of that object's near face in the obstacle's direction; meaningful with an object
@@ -68,53 +66,5 @@ FrameScore score_frame(const FrameTruth& truth, std::span<const Obstacle> obstac
 
 /// Pedestrians as obstacles, so that verdicts of a classifier can be scored as well.
 std::vector<Obstacle> as_obstacles(std::span<const Pedestrian> pedestrians);
-
-/// Hits among so many.
-struct Rate {
-  int hits = 0;
-  int total = 0;
-  std::optional<double> value() const {
-    return total == 0 ? std::nullopt : std::optional(static_cast<double>(hits) / total);
-  }
-};
-
-/// Part of the recall: objects of a class or in a band of range.
-struct RecallPart {
-  std::string name;  ///< "Cyclist" or "10-20 m"
-  Rate recall;
-};
-
-/// A labelled object that was not found.
-struct MissedObject {
-  int frame = 0;
-  std::string frame_name;
-  LabelledObject object;
-};
-
-/// Accuracy over many frames. Medians are empty where nothing could be measured.
-struct Measures {
-  Rate precision;        ///< obstacles that are right, in frames with lidar
-  Rate label_precision;  ///< obstacles near any label, in frames without: labels leave things out, so a lower bound
-  Rate recall;
-  Rate people_recall;                          ///< people and cyclists, `kPeopleReach_m` at most
-  std::vector<RecallPart> recall_by_class;     ///< in alphabetical order
-  std::vector<RecallPart> recall_by_range;     ///< bands of `kRangeBands_m`
-  std::optional<double> range_error;           ///< median of signed errors of obstacles on counted objects, of range
-  std::optional<double> absolute_range_error;  ///< median of absolute ones, of range
-  std::optional<double> width_error_m;         ///< median, signed
-  std::optional<double> height_error_m;
-  double obstacles_per_frame = 0.0;
-  double reports_per_found_object = 0.0;  ///< 1 when nothing is reported twice
-  std::vector<MissedObject> missed;
-};
-
-inline constexpr std::array<double, 5> kRangeBands_m = {5.0, 10.0, 20.0, 30.0, 40.0};
-inline constexpr double kPeopleReach_m = 30.0;
-
-/// True for the classes of people, on foot or on a cycle.
-bool is_person(const LabelledObject& object);
-
-/// Sums the verdicts up. `truths` and `scores` go together, frame by frame.
-Measures summarize(std::span<const FrameTruth> truths, std::span<const FrameScore> scores);
 
 }  // namespace flies

@@ -99,56 +99,6 @@ TEST(ScoreFrame, PrefersTheFaceThatTheLidarSawInTheObstaclesDirection) {
   EXPECT_NEAR(score.obstacles[1].near_range_m, std::hypot(11.0, 0.8), kExact);
 }
 
-TEST(Summarize, AddsUpAHandMadeCase) {
-  std::vector<FrameTruth> truths(2);
-  truths[0].frame = 0;
-  truths[0].objects = {object_at("Car", 12, 0, 4, 2), object_at("Pedestrian", 8, 4, 0.5, 0.5)};
-  add_post(truths[0], 10, 0);
-  add_post(truths[0], 30, -5);  // an unlabelled pole: right to report, nothing to find
-  truths[1].frame = 1;
-  truths[1].objects = {object_at("Car", 12, 0, 4, 2), object_at("Cyclist", 25.25, 0, 0.5, 0.5)};
-  add_post(truths[1], 10, 0);
-  add_post(truths[1], 25, 0);
-  const std::vector<std::vector<Obstacle>> obstacles = {
-      {obstacle_at(10.5, 0), obstacle_at(10.1, 0), obstacle_at(30, -5), obstacle_at(20, 10)},
-      {obstacle_at(10.2, 0), obstacle_at(25.5, 0)}};
-  std::vector<FrameScore> scores;
-  for (std::size_t i = 0; i < 2; ++i) scores.push_back(score_frame(truths[i], obstacles[i]));
-
-  const Measures measures = summarize(truths, scores);
-  EXPECT_EQ(measures.precision.hits, 5);
-  EXPECT_EQ(measures.precision.total, 6);
-  EXPECT_EQ(measures.label_precision.total, 0);
-  EXPECT_EQ(measures.recall.hits, 3);
-  EXPECT_EQ(measures.recall.total, 4);
-  EXPECT_EQ(measures.people_recall.hits, 1);
-  EXPECT_EQ(measures.people_recall.total, 2);
-  ASSERT_EQ(measures.recall_by_class.size(), 3u);
-  EXPECT_EQ(measures.recall_by_class[0].name, "Car");
-  EXPECT_EQ(measures.recall_by_class[0].recall.hits, 2);
-  ASSERT_EQ(measures.recall_by_range.size(), 4u);
-  EXPECT_EQ(measures.recall_by_range[0].recall.total, 1);  // the pedestrian at 8.6 m
-  EXPECT_EQ(measures.recall_by_range[1].recall.hits, 2);
-  EXPECT_EQ(measures.recall_by_range[2].recall.hits, 1);
-  EXPECT_NEAR(measures.obstacles_per_frame, 3.0, kExact);
-  EXPECT_NEAR(measures.reports_per_found_object, 4.0 / 3.0, kExact);
-  ASSERT_TRUE(measures.range_error.has_value());
-  EXPECT_NEAR(*measures.range_error, 0.02, kExact);  // of 5 %, 1 %, 2 % and 2 %
-  EXPECT_NEAR(*measures.absolute_range_error, 0.02, kExact);
-  ASSERT_EQ(measures.missed.size(), 1u);
-  EXPECT_EQ(measures.missed[0].frame, 0);
-  EXPECT_EQ(measures.missed[0].object.type, "Pedestrian");
-}
-
-TEST(Summarize, LeavesMediansEmptyWhenNothingWasReported) {
-  std::vector<FrameTruth> truths(1);
-  truths[0].objects = {object_at("Car", 12, 0, 4, 2)};
-  const Measures measures = summarize(truths, std::vector{score_frame(truths[0], {})});
-  EXPECT_FALSE(measures.range_error.has_value());
-  EXPECT_FALSE(measures.precision.value().has_value());
-  EXPECT_EQ(measures.recall.value(), 0.0);
-}
-
 TEST(AsObstacles, KeepsPlaceAndHeight) {
   Pedestrian person;
   person.x_m = 3.0;

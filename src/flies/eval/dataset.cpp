@@ -1,0 +1,184 @@
+#include "flies/eval/dataset.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "flies/core/error.hpp"
+#include "flies/eval/foot_truth.hpp"
+#include "flies/eval/kitti_truth.hpp"
+#include "flies/eval/scene_truth.hpp"
+#include "flies/io/calibration.hpp"
+#include "flies/io/images.hpp"
+
+namespace flies {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCalibrationNames[] = {"calib.yaml", "calib.txt", "extrinsics.yml"};
+
+CalibrationRequest calibration_request(const DatasetRequest& request) {
+  CalibrationRequest wanted;
+  wanted.camera_height_m = request.camera_height_m;
+  wanted.camera_pitch_rad = request.camera_pitch_rad;
+  wanted.camera_roll_rad = request.camera_roll_rad;
+  return wanted;
+}
+
+void refuse_calib(const fs::path& folder, const DatasetRequest& request) {
+  if (!request.calib.empty())
+    throw InputError(request.calib, "", fmt::format("{} has its own calibration, expected none", folder.string()));
+}
+
+void refuse_cameras(const fs::path& folder, const DatasetRequest& request) {
+  if (request.cameras)
+    throw InputError(folder.string(), "cameras", "only a KITTI drive lets them be chosen, expected none");
+}
+
+/// The camera of a folder in which all pairs share one.
+StereoCamera shared_camera(const fs::path& folder, const DatasetRequest& request, const RectifiedPair& first,
+                           std::vector<std::string>& notes) {
+  std::string file = request.calib;
+  for (const char* name : kCalibrationNames)
+    if (file.empty() && fs::exists(folder / name)) file = (folder / name).string();
+  if (file.empty()) throw InputError(folder.string(), "calib.yaml", "not found, give a calibration");
+  CalibrationRequest wanted = calibration_request(request);
+  wanted.width_px = first.left.width_px;
+  wanted.height_px = first.left.height_px;
+  const Calibration calibration = load_calibration(file, wanted);
+  if (calibration.rectifier)
+    throw InputError(file, "", "belongs to raw images, expected that of the rectified images whose truth is known");
+  check_camera_fits(calibration.camera, first.left.width_px, first.left.height_px, file);
+  if (!calibration.has_height)
+    notes.push_back(fmt::format("{}: holds no camera height, {} m assumed", file, calibration.camera.mount.height_m));
+  StereoCamera camera = calibration.camera;
+  camera.width_px = first.left.width_px;
+  camera.height_px = first.left.height_px;
+  return camera;
+}
+
+GrayPair load_images(const PairPaths& pair) { return load_pair(pair.left, pair.right); }
+
+/// The same with the check that they fit.
+GrayPair load_images(const PairPaths& pair, const StereoCamera& camera) {
+  GrayPair images = load_images(pair);
+  check_camera_fits(camera, images.left.width_px, images.left.height_px, pair.left);
+  return images;
+}
+
+std::string stem_of(const std::string& path) { return fs::path(path).stem().string(); }
+
+Dataset open_kitti_drive(const fs::path& folder, const DatasetRequest& request) {
+  refuse_calib(folder, request);
+  const bool has_grey = fs::is_directory(folder / "image_00") && fs::is_directory(folder / "image_01");
+  const auto cameras = request.cameras.value_or(has_grey ? std::array{0, 1} : std::array{2, 3});
+  const auto images = [&](int camera) { return (folder / fmt::format("image_{:02}", camera) / "data").string(); };
+  CalibrationRequest wanted = calibration_request(request);
+  wanted.cameras = cameras;
+  // The calibration lies beside the drive, which may be given as "." or with a slash at its end.
+  const fs::path drive = (fs::absolute(folder) / "").lexically_normal().parent_path();
+  const StereoCamera camera = load_calibration((drive.parent_path() / "calib_cam_to_cam.txt").string(), wanted).camera;
+  const auto truth = std::make_shared<KittiDrive>(drive, camera, cameras[0]);
+
+  Dataset dataset{.kind = TruthKind::kitti_drive, .is_sequence = true};
+  dataset.pairs = find_pairs(images(cameras[0]), images(cameras[1]));
+  dataset.load = [truth, camera, pairs = dataset.pairs](std::size_t i) {
+    return TruthFrame{load_images(pairs[i], camera), camera, truth->read(stem_of(pairs[i].left))};
+  };
+  return dataset;
+}
+
+Dataset open_kitti_object(const fs::path& folder, const DatasetRequest& request) {
+  refuse_calib(folder, request);
+  refuse_cameras(folder, request);
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder / "label_2"))
+    if (entry.path().extension() == ".txt") names.insert(entry.path().stem().string());
+  if (names.empty()) throw InputError((folder / "label_2").string(), "", "holds no labels, expected .txt files");
+  Dataset dataset{.kind = TruthKind::kitti_object};
+  for (const auto& name : names)
+    dataset.pairs.push_back(
+        {(folder / "image_2" / (name + ".png")).string(), (folder / "image_3" / (name + ".png")).string()});
+  dataset.load = [folder, wanted = calibration_request(request), pairs = dataset.pairs](std::size_t i) {
+    const std::string name = stem_of(pairs[i].left);
+    TruthFrame frame{load_images(pairs[i]), {}, {}};
+    CalibrationRequest of_pair = wanted;
+    of_pair.width_px = frame.images.left.width_px;
+    of_pair.height_px = frame.images.left.height_px;
+    frame.camera = load_calibration((folder / "calib" / (name + ".txt")).string(), of_pair).camera;
+    frame.camera.width_px = of_pair.width_px;
+    frame.camera.height_px = of_pair.height_px;
+    frame.truth = read_kitti_object(folder, name, frame.camera);
+    return frame;
+  };
+  return dataset;
+}
+
+Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
+  refuse_cameras(folder, request);
+  Dataset dataset{.kind = TruthKind::scenes};
+  dataset.pairs = find_pairs((folder / "left").string(), (folder / "right").string());
+  std::size_t truths = 0;
+  for (const auto& entry : fs::directory_iterator(folder / "truth")) truths += entry.path().extension() == ".json";
+  if (truths != dataset.pairs.size())
+    throw InputError((folder / "truth").string(), "",
+                     fmt::format("found {} JSON files, expected {}, one a pair", truths, dataset.pairs.size()));
+  const StereoCamera camera = shared_camera(folder, request, load_images(dataset.pairs.front()).view(), dataset.notes);
+  dataset.load = [folder, camera, pairs = dataset.pairs](std::size_t i) {
+    TruthFrame frame{load_images(pairs[i], camera), camera,
+                     read_scene_truth(folder / "truth" / (stem_of(pairs[i].left) + ".json"))};
+    frame.truth.frame = static_cast<int>(i);
+    return frame;
+  };
+  return dataset;
+}
+
+Dataset open_foot_points(const fs::path& folder, const DatasetRequest& request) {
+  refuse_cameras(folder, request);
+  std::set<fs::path> lefts;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().stem().string().ends_with("_0")) lefts.insert(entry.path());
+  if (lefts.empty()) throw InputError(folder.string(), "", "holds no left images, expected names that end in _0");
+  Dataset dataset{.kind = TruthKind::foot_points, .is_sequence = true};
+  for (const auto& left : lefts) {
+    std::string stem = left.stem().string();
+    stem.back() = '1';
+    dataset.pairs.push_back({left.string(), (folder / (stem + left.extension().string())).string()});
+  }
+  const StereoCamera camera = shared_camera(folder, request, load_images(dataset.pairs.front()).view(), dataset.notes);
+  auto truths = read_foot_points(folder / "truth.csv", camera);
+  if (truths.size() > dataset.pairs.size())
+    throw InputError((folder / "truth.csv").string(), "frame",
+                     fmt::format("found {}, but there are {} pairs", truths.size(), dataset.pairs.size()));
+  truths.resize(dataset.pairs.size());  // nobody stands in the pairs after the last entry
+  for (std::size_t i = 0; i < truths.size(); ++i) {
+    truths[i].frame = static_cast<int>(i);
+    truths[i].name = stem_of(dataset.pairs[i].left);
+  }
+  dataset.load = [camera, truths = std::move(truths), pairs = dataset.pairs](std::size_t i) {
+    return TruthFrame{load_images(pairs[i], camera), camera, truths[i]};
+  };
+  return dataset;
+}
+
+}  // namespace
+
+Dataset open_dataset(const fs::path& folder, const DatasetRequest& request) {
+  if (!fs::is_directory(folder)) throw InputError(folder.string(), "", "is not a folder");
+  const auto has = [&](const char* name) { return fs::exists(folder / name); };
+  // `flies synth` writes label_2 as well, so scenes are looked for first.
+  if (has("truth") && has("left") && has("right")) return open_scenes(folder, request);
+  if (has("label_2") && has("calib")) return open_kitti_object(folder, request);
+  if (has("training/label_2")) return open_kitti_object(folder / "training", request);
+  if (has("tracklet_labels.xml")) return open_kitti_drive(folder, request);
+  if (has("truth.csv")) return open_foot_points(folder, request);
+  throw InputError(folder.string(), "",
+                   "holds no truth, expected tracklet_labels.xml (KITTI drive), label_2 and calib (KITTI object), "
+                   "truth with left and right (flies synth) or truth.csv (foot points)");
+}
+
+}  // namespace flies

@@ -1,0 +1,187 @@
+#include "flies/eval/dataset.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "flies/core/random.hpp"
+#include "flies/io/temporary_folder.hpp"
+
+namespace flies {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+constexpr const char* kCalibration =
+    "fx_px: 60\ncx_px: 40\ncy_px: 30\nbaseline_m: 0.5\nwidth_px: 80\nheight_px: 60\nheight_m: 1.2\n";
+constexpr const char* kTruth =
+    R"({"objects": [{"class": "car", "x_m": 12, "y_m": 1, "length_m": 4, "width_m": 2, "height_m": 1.5}]})";
+
+/// A picture of 80 x 60 random grey levels.
+std::string picture(std::uint32_t number) {
+  std::string pgm = "P5\n80 60\n255\n";
+  for (std::uint32_t i = 0; i < 4800; ++i) pgm.push_back(static_cast<char>(philox({i, number, 0, 0}, 1)[0] & 0x7f));
+  return pgm;
+}
+
+struct Folder {
+  void add(const std::string& name, const std::string& content) const {
+    fs::create_directories(fs::path(folder.file(name)).parent_path());
+    folder.write(name, content);
+  }
+  void add_scene(int number) const {
+    const std::string name = std::to_string(number);
+    add("left/" + name + ".pgm", picture(1));
+    add("right/" + name + ".pgm", picture(2));
+    add("truth/" + name + ".json", kTruth);
+  }
+  std::string path(const std::string& name = ".") const { return folder.file(name); }
+
+  TemporaryFolder folder;
+};
+
+TEST(OpenDataset, ReadsScenes) {
+  const Folder folder;
+  folder.add("calib.yaml", kCalibration);
+  for (const int i : {9, 10}) folder.add_scene(i);
+  folder.add("label_2/9.txt", "");  // flies synth writes labels as well
+  const Dataset dataset = open_dataset(folder.path());
+  EXPECT_EQ(dataset.kind, TruthKind::scenes);
+  EXPECT_FALSE(dataset.is_sequence);
+  ASSERT_EQ(dataset.pairs.size(), 2u);
+  EXPECT_TRUE(dataset.notes.empty());
+  const TruthFrame frame = dataset.load(1);
+  EXPECT_EQ(frame.truth.name, "10");
+  EXPECT_EQ(frame.truth.frame, 1);
+  EXPECT_EQ(frame.camera.mount.height_m, 1.2);
+  EXPECT_EQ(frame.images.left.width_px, 80);
+  ASSERT_EQ(frame.truth.objects.size(), 1u);
+  EXPECT_EQ(frame.truth.objects[0].type, "Car");
+  EXPECT_TRUE(frame.truth.objects[0].visible);
+}
+
+TEST(OpenDataset, AsksForATruthAPair) {
+  const Folder folder;
+  folder.add("calib.yaml", kCalibration);
+  for (const int i : {1, 2}) folder.add_scene(i);
+  fs::remove(folder.path("truth/2.json"));
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path()); }), HasSubstr("truth: found 1 JSON files, expected 2"));
+  folder.add("truth/3.json", kTruth);
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path()).load(1); }), HasSubstr("2.json: cannot be read"));
+}
+
+TEST(OpenDataset, AsksForTheCalibrationOfScenes) {
+  const Folder folder;
+  folder.add_scene(1);
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path()); }), HasSubstr("calib.yaml: not found"));
+  DatasetRequest request;
+  request.calib = folder.folder.write("mine.yaml", kCalibration);
+  request.camera_height_m = 0.9;
+  EXPECT_EQ(open_dataset(folder.path(), request).load(0).camera.mount.height_m, 0.9);
+}
+
+TEST(OpenDataset, ReadsFootPointsAndTellsTheAssumedHeight) {
+  const Folder folder;
+  folder.add("calib.yaml", "fx_px: 60\ncx_px: 40\ncy_px: 30\nbaseline_m: 0.5\nwidth_px: 80\nheight_px: 60\n");
+  folder.add("truth.csv", "1,7,30,10,5,20,1,0.5,1.65,8\n");
+  for (const int i : {0, 1}) {
+    folder.add("image_" + std::to_string(i) + "_0.pgm", picture(1));
+    folder.add("image_" + std::to_string(i) + "_1.pgm", picture(2));
+  }
+  const Dataset dataset = open_dataset(folder.path());
+  EXPECT_EQ(dataset.kind, TruthKind::foot_points);
+  EXPECT_TRUE(dataset.is_sequence);
+  ASSERT_EQ(dataset.notes.size(), 1u);
+  EXPECT_THAT(dataset.notes[0], HasSubstr("no camera height, 1.65 m assumed"));
+  ASSERT_EQ(dataset.pairs.size(), 2u);
+  EXPECT_THAT(dataset.pairs[1].right, HasSubstr("image_1_1.pgm"));
+  EXPECT_EQ(dataset.load(0).truth.objects.size(), 1u);
+  EXPECT_TRUE(dataset.load(1).truth.objects.empty());
+  folder.add("truth.csv", "3,7,30,10,5,20,1,0.5,1.65,8\n");
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path()); }), HasSubstr("frame: found 3, but there are 2 pairs"));
+}
+
+/// P rows of cameras 2 and 3, the rest of a KITTI calibration and a lidar that looks ahead.
+constexpr const char* kKittiCalibration =
+    "P2: 60 0 40 0 0 60 30 0 0 0 1 0\nP3: 60 0 40 -30 0 60 30 0 0 0 1 0\nR0_rect: 1 0 0 0 1 0 0 0 1\n"
+    "Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n";
+
+TEST(OpenDataset, ReadsAKittiObjectFolderAndTheOneAboveIt) {
+  const Folder folder;
+  folder.add("training/calib/000003.txt", kKittiCalibration);
+  folder.add("training/label_2/000003.txt", "Car 0.00 0 0 0 0 1 1 1.5 1.6 4.0 1.00 1.65 20.00 0\n");
+  // KITTI's pictures are PNG by name; what they are is told from their content.
+  folder.add("training/image_2/000003.png", picture(1));
+  folder.add("training/image_3/000003.png", picture(2));
+  for (const std::string place : {".", "training"}) {
+    const Dataset dataset = open_dataset(folder.path(place));
+    EXPECT_EQ(dataset.kind, TruthKind::kitti_object);
+    ASSERT_EQ(dataset.pairs.size(), 1u);
+    const TruthFrame frame = dataset.load(0);
+    EXPECT_EQ(frame.camera.width_px, 80);
+    EXPECT_NEAR(frame.camera.baseline_m, 0.5, 1e-9);
+    ASSERT_EQ(frame.truth.objects.size(), 1u);
+  }
+  DatasetRequest request;
+  request.calib = "mine.yaml";
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path(), request); }), HasSubstr("mine.yaml"));
+  request.calib.clear();
+  request.cameras = {0, 1};
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path(), request); }), HasSubstr("cameras"));
+}
+
+/// A drive of two frames with one car in the second.
+void add_drive(const Folder& folder) {
+  folder.add("day/calib_velo_to_cam.txt", "R: 0 -1 0 0 0 -1 1 0 0\nT: 0 0 0\n");
+  std::string cameras = "R_rect_00: 1 0 0 0 1 0 0 0 1\n";
+  for (const int camera : {0, 1, 2, 3}) {
+    const std::string index = "0" + std::to_string(camera);
+    cameras += "S_rect_" + index + ": 80 60\nP_rect_" + index + ": 60 0 40 " + (camera % 2 == 0 ? "0" : "-30") +
+               " 0 60 30 0 0 0 1 0\n";
+  }
+  folder.add("day/calib_cam_to_cam.txt", cameras);
+  folder.add("day/drive/tracklet_labels.xml",
+             "<boost_serialization><tracklets><item><objectType>Car</objectType><h>1.5</h><w>1.6</w><l>4</l>"
+             "<first_frame>5</first_frame><poses><item><tx>20</tx><ty>0</ty><tz>-1.65</tz><rz>0</rz>"
+             "<occlusion>0</occlusion><truncation>0</truncation></item></poses></item></tracklets>"
+             "</boost_serialization>");
+  for (const std::string name : {"0000000004.pgm", "0000000005.pgm"}) {
+    folder.add("day/drive/image_02/data/" + name, picture(1));
+    folder.add("day/drive/image_03/data/" + name, picture(2));
+  }
+}
+
+TEST(OpenDataset, ReadsAKittiDriveWithTheCamerasItHas) {
+  const Folder folder;
+  add_drive(folder);
+  for (const std::string place : {"day/drive", "day/drive/"}) {
+    const Dataset dataset = open_dataset(folder.path(place));
+    EXPECT_EQ(dataset.kind, TruthKind::kitti_drive);
+    EXPECT_TRUE(dataset.is_sequence);
+    ASSERT_EQ(dataset.pairs.size(), 2u);
+    EXPECT_THAT(dataset.pairs[0].left, HasSubstr("image_02"));
+    EXPECT_TRUE(dataset.load(0).truth.objects.empty());
+    const TruthFrame frame = dataset.load(1);
+    EXPECT_EQ(frame.truth.frame, 5);
+    ASSERT_EQ(frame.truth.objects.size(), 1u);
+    EXPECT_NEAR(frame.truth.objects[0].footprint.x_m, 20.0, 1e-9);
+  }
+  DatasetRequest request;
+  request.cameras = {0, 1};
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path("day/drive"), request); }), HasSubstr("image_00"));
+}
+
+TEST(OpenDataset, SaysWhatItLooksFor) {
+  const Folder folder;
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path()); }),
+              HasSubstr("holds no truth, expected tracklet_labels.xml"));
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path("gone")); }), HasSubstr("gone: is not a folder"));
+}
+
+}  // namespace
+}  // namespace flies

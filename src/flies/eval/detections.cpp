@@ -1,0 +1,149 @@
+#include "flies/eval/detections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "flies/core/error.hpp"
+#include "flies/eval/text.hpp"
+
+namespace flies {
+namespace {
+
+using nlohmann::json;
+
+/// A place in the file, for errors.
+struct Place {
+  const std::string& source;
+  int line;
+  std::string field;  ///< "obstacles[2]"
+
+  [[noreturn]] void fail(const std::string& key, const std::string& complaint) const {
+    const std::string separator = field.empty() || key.empty() ? "" : ".";
+    throw InputError(source, fmt::format("line {}", line), fmt::format("{}{}{}: {}", field, separator, key, complaint));
+  }
+};
+
+std::optional<double> optional_number(const json& object, const char* key, const Place& place) {
+  const auto found = object.find(key);
+  if (found == object.end() || found->is_null()) return std::nullopt;
+  if (!found->is_number()) place.fail(key, fmt::format("found {}, expected a number", found->type_name()));
+  const double value = found->get<double>();
+  if (!std::isfinite(value)) place.fail(key, "found a number that is not finite");
+  return value;
+}
+
+double number(const json& object, const char* key, const Place& place) {
+  const auto value = optional_number(object, key, place);
+  if (!value) place.fail(key, "found none, expected a number");
+  return *value;
+}
+
+Obstacle obstacle_of(const json& entry, const Place& place) {
+  if (!entry.is_object()) place.fail("", fmt::format("found {}, expected an object", entry.type_name()));
+  Obstacle obstacle;
+  obstacle.x_m = number(entry, "x_m", place);
+  obstacle.y_m = number(entry, "y_m", place);
+  obstacle.range_m = optional_number(entry, "range_m", place).value_or(std::hypot(obstacle.x_m, obstacle.y_m));
+  obstacle.width_m = optional_number(entry, "width_m", place).value_or(0.0);
+  obstacle.height_m = optional_number(entry, "height_m", place).value_or(0.0);
+  obstacle.score = optional_number(entry, "score", place).value_or(0.0);
+  return obstacle;
+}
+
+/// Classification comes after the obstacles, so its time does not count for them.
+std::optional<double> locating_time_ms(const json& record, const Place& place) {
+  const auto stages = record.find("stage_ms");
+  if (stages == record.end() || !stages->is_object()) return std::nullopt;
+  std::optional<double> sum;
+  for (const auto stage : {Stage::road, Stage::evolve, Stage::concentrate}) {
+    const std::string name(kStageNames[static_cast<std::size_t>(stage)]);
+    if (const auto time = optional_number(*stages, name.c_str(), place)) sum = sum.value_or(0.0) + *time;
+  }
+  return sum;
+}
+
+ReportedFrame frame_of(const json& record, const std::string& source, int line) {
+  const Place place{source, line, ""};
+  if (record.is_discarded()) throw InputError(source, fmt::format("line {}", line), "not JSON");
+  if (!record.is_object()) throw InputError(source, fmt::format("line {}", line), "found no object, expected one");
+  ReportedFrame frame;
+  frame.line = line;
+  if (const auto found = record.find("frame"); found != record.end()) {
+    if (!found->is_number_integer() || found->get<double>() < 0 ||
+        found->get<double>() > std::numeric_limits<int>::max())
+      place.fail("frame", fmt::format("found {}, expected a whole number from 0", found->dump()));
+    frame.frame = found->get<int>();
+  }
+  if (const auto found = record.find("left"); found != record.end()) {
+    if (!found->is_string()) place.fail("left", fmt::format("found {}, expected a file name", found->type_name()));
+    frame.left = found->get<std::string>();
+  }
+  const auto obstacles = record.find("obstacles");
+  if (obstacles == record.end() || !obstacles->is_array()) place.fail("obstacles", "found none, expected a list");
+  for (const auto& entry : *obstacles)
+    frame.obstacles.push_back(obstacle_of(entry, {source, line, fmt::format("obstacles[{}]", frame.obstacles.size())}));
+  frame.time_ms = locating_time_ms(record, place);
+  return frame;
+}
+
+std::string stem_of(const std::string& path) { return std::filesystem::path(path).stem().string(); }
+
+/// What tells the pair of line i apart: the name of its left image, or its number.
+std::vector<std::string> keys_of(const std::vector<ReportedFrame>& reported, bool by_name, bool by_frame) {
+  std::vector<std::string> keys;
+  for (std::size_t i = 0; i < reported.size(); ++i)
+    keys.push_back(by_name ? stem_of(reported[i].left)
+                           : std::to_string(by_frame ? *reported[i].frame : static_cast<int>(i)));
+  return keys;
+}
+
+}  // namespace
+
+std::vector<ReportedFrame> parse_detections(std::string_view text, const std::string& source) {
+  std::vector<ReportedFrame> frames;
+  std::istringstream stream{std::string(text)};
+  int number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    if (detail::trimmed(line).empty()) continue;
+    frames.push_back(frame_of(json::parse(line, nullptr, false), source, number));
+  }
+  return frames;
+}
+
+std::vector<ReportedFrame> read_detections(const std::string& path) {
+  return parse_detections(detail::read_file(path), path);
+}
+
+std::vector<ReportedFrame> match_detections(std::vector<ReportedFrame> reported, const std::vector<PairPaths>& pairs,
+                                            const std::string& source) {
+  if (reported.size() != pairs.size())
+    throw InputError(source, "", fmt::format("found {} lines, expected {}, one a pair", reported.size(), pairs.size()));
+  const bool by_name = std::all_of(reported.begin(), reported.end(), [](const auto& r) { return !r.left.empty(); });
+  const bool by_frame =
+      std::all_of(reported.begin(), reported.end(), [](const auto& r) { return r.frame.has_value(); });
+  const auto keys = keys_of(reported, by_name, by_frame);
+  std::map<std::string, std::size_t> line_of_key;
+  for (std::size_t i = 0; i < reported.size(); ++i)
+    if (!line_of_key.emplace(keys[i], i).second)
+      throw InputError(source, fmt::format("line {}", reported[i].line),
+                       fmt::format("found a second line for pair {}, expected one a pair", keys[i]));
+  std::vector<ReportedFrame> ordered;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const std::string key = by_name ? stem_of(pairs[i].left) : std::to_string(i);
+    const auto found = line_of_key.find(key);
+    if (found == line_of_key.end())
+      throw InputError(source, by_name ? "left" : "frame", fmt::format("found no line for pair {}", key));
+    ordered.push_back(std::move(reported[found->second]));
+  }
+  return ordered;
+}
+
+}  // namespace flies

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "flies/core/results.hpp"
+#include "flies/io/pair_source.hpp"
+
+namespace flies {
+
+/// What some program reported for one pair: a line of JSON Lines as `flies detect --json` writes them.
+struct ReportedFrame {
+  int line = 0;  ///< of the file, from 1
+  std::optional<int> frame;
+  std::string left;  ///< empty when the line does not say
+  std::vector<Obstacle> obstacles;
+  std::optional<double> time_ms;  ///< sum of `stage_ms` up to the obstacles
+};
+
+/// Reads JSON Lines of any program. An object needs "obstacles", a list whose entries need "x_m" and "y_m"; "width_m",
+/// "height_m", "score" and "range_m" (else hypot(x, y)) may be left out. Further keys are ignored, and so are empty
+/// lines.
+/// @param source file name, for errors
+/// @throws InputError naming the line and the key on malformed JSON, a missing key, a value of another type or a
+///         position that is not finite
+std::vector<ReportedFrame> parse_detections(std::string_view text, const std::string& source);
+
+/// The same from a file.
+/// @throws InputError also when it cannot be read
+std::vector<ReportedFrame> read_detections(const std::string& path);
+
+/// Puts the reports into the order of the pairs: by the name of the left image where every line has one, else by
+/// "frame" (the pair's index, from 0) where every line has one, else in the order of the lines.
+/// @throws InputError naming `source` when there is not exactly one line a pair
+std::vector<ReportedFrame> match_detections(std::vector<ReportedFrame> reported, const std::vector<PairPaths>& pairs,
+                                            const std::string& source);
+
+}  // namespace flies

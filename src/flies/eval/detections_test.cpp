@@ -1,0 +1,110 @@
+#include "flies/eval/detections.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+
+#include "flies/core/error.hpp"
+#include "flies/io/writers.hpp"
+
+namespace flies {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string complaint(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
+std::string parse_complaint(const std::string& text) {
+  return complaint([&] { parse_detections(text, "d.jsonl"); });
+}
+
+const std::vector<PairPaths> kTwoPairs = {{"l/a.png", "r/a.png"}, {"l/b.png", "r/b.png"}};
+
+std::string match_complaint(const std::string& text) {
+  return complaint([&] { match_detections(parse_detections(text, "d.jsonl"), kTwoPairs, "d.jsonl"); });
+}
+
+TEST(ParseDetections, ReadsWhatFliesDetectWrites) {
+  FrameRecord record;
+  record.frame = 3;
+  record.left = "left/07.png";
+  Obstacle obstacle;
+  obstacle.x_m = 8;
+  obstacle.y_m = 6;
+  obstacle.range_m = 10;
+  obstacle.width_m = 1.5;
+  obstacle.height_m = 1.75;
+  obstacle.score = 0.5;
+  record.obstacles = {obstacle};
+  record.stage_ms = {1.0, 20.0, 3.0, 100.0, 100.0};
+  const auto frames = parse_detections(json_line(record) + "\n" + json_line(record), "d.jsonl");
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[1].line, 3);  // an empty line lies between
+  EXPECT_EQ(frames[0].frame, 3);
+  EXPECT_EQ(frames[0].left, "left/07.png");
+  EXPECT_EQ(frames[0].time_ms, 24.0);  // without proposing and classifying
+  ASSERT_EQ(frames[0].obstacles.size(), 1u);
+  EXPECT_EQ(frames[0].obstacles[0].x_m, 8);
+  EXPECT_EQ(frames[0].obstacles[0].y_m, 6);
+  EXPECT_EQ(frames[0].obstacles[0].range_m, 10);
+  EXPECT_EQ(frames[0].obstacles[0].width_m, 1.5);
+  EXPECT_EQ(frames[0].obstacles[0].height_m, 1.75);
+}
+
+TEST(ParseDetections, NeedsNoMoreThanPositions) {
+  const auto frames = parse_detections(R"({"obstacles": [{"x_m": 3, "y_m": -4}]})", "d.jsonl");
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_EQ(frames[0].obstacles[0].range_m, 5.0);
+  EXPECT_FALSE(frames[0].frame.has_value());
+  EXPECT_FALSE(frames[0].time_ms.has_value());
+}
+
+TEST(ParseDetections, NamesLineAndField) {
+  EXPECT_EQ(parse_complaint("{\"obstacles\": []}\n{\"obsta"), "d.jsonl: line 2: not JSON");
+  EXPECT_THAT(parse_complaint("[1]"), HasSubstr("line 1: found no object"));
+  EXPECT_THAT(parse_complaint("{}"), HasSubstr("line 1: obstacles: found none"));
+  EXPECT_THAT(parse_complaint(R"({"obstacles": [7]})"), HasSubstr("line 1: obstacles[0]: found number"));
+  EXPECT_THAT(parse_complaint(R"({"obstacles": [{"x_m": 1}]})"), HasSubstr("line 1: obstacles[0].y_m: found none"));
+  EXPECT_THAT(parse_complaint(R"({"obstacles": [{"x_m": null, "y_m": 1}]})"), HasSubstr("obstacles[0].x_m"));
+  EXPECT_THAT(parse_complaint(R"({"obstacles": [{"x_m": "far", "y_m": 1}]})"), HasSubstr("found string"));
+  EXPECT_THAT(parse_complaint(R"({"frame": 1.5, "obstacles": []})"), HasSubstr("frame: found 1.5"));
+  EXPECT_THAT(parse_complaint(R"({"frame": 99999999999999, "obstacles": []})"), HasSubstr("frame: found 9999"));
+  EXPECT_THAT(parse_complaint(R"({"left": 5, "obstacles": []})"), HasSubstr("left: found number"));
+}
+
+TEST(MatchDetections, GoesByTheNameOfTheLeftImage) {
+  const auto reported = parse_detections(
+      "{\"frame\": 0, \"left\": \"elsewhere/b.png\", \"obstacles\": []}\n"
+      "{\"frame\": 1, \"left\": \"a.jpg\", \"obstacles\": []}\n",
+      "d.jsonl");
+  const auto matched = match_detections(reported, kTwoPairs, "d.jsonl");
+  EXPECT_EQ(matched[0].line, 2);
+  EXPECT_EQ(matched[1].line, 1);
+}
+
+TEST(MatchDetections, GoesByNumberAndThenByOrder) {
+  const std::string numbered = "{\"frame\": 1, \"obstacles\": []}\n{\"frame\": 0, \"obstacles\": []}\n";
+  EXPECT_EQ(match_detections(parse_detections(numbered, "d"), kTwoPairs, "d")[0].line, 2);
+  const std::string plain = "{\"obstacles\": []}\n{\"obstacles\": []}\n";
+  EXPECT_EQ(match_detections(parse_detections(plain, "d"), kTwoPairs, "d")[0].line, 1);
+}
+
+TEST(MatchDetections, AsksForOneLineAPair) {
+  EXPECT_EQ(match_complaint("{\"obstacles\": []}\n"), "d.jsonl: found 1 lines, expected 2, one a pair");
+  EXPECT_THAT(match_complaint("{\"frame\": 1, \"obstacles\": []}\n{\"frame\": 1, \"obstacles\": []}\n"),
+              HasSubstr("d.jsonl: line 2: found a second line for pair 1"));
+  EXPECT_THAT(match_complaint("{\"left\": \"a.png\", \"obstacles\": []}\n{\"left\": \"c.png\", \"obstacles\": []}\n"),
+              HasSubstr("d.jsonl: left: found no line for pair b"));
+}
+
+}  // namespace
+}  // namespace flies

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "flies/classify/people_model.hpp"
+#include "flies/core/results.hpp"
+#include "flies/eval/dataset.hpp"
+#include "flies/eval/detections.hpp"
+#include "flies/eval/estimate.hpp"
+#include "flies/eval/score.hpp"
+#include "flies/eval/yardstick.hpp"
+#include "flies/pipeline/detector.hpp"
+
+namespace flies {
+
+/// What a method reports for one pair, and what it cost.
+struct Findings {
+  std::vector<Obstacle> obstacles;
+  std::optional<double> time_ms;      ///< from the pair to its obstacles, without classification
+  std::optional<double> evaluations;  ///< of the fitness
+};
+
+/// Something that finds obstacles: several runs that differ in their seeds. A run sees the pairs in order.
+/// @note a run is given the index of the pair in its dataset as well
+using FindingRun = std::function<Findings(std::size_t, const TruthFrame&)>;
+struct Method {
+  std::string name;
+  std::vector<FindingRun> runs;
+};
+
+/// The detector with seeds `options.seed`, `options.seed` + 1, ... On a sequence, each pair steers the next one.
+Method flies_method(const std::string& name, const DetectorOptions& options, int seeds, const PeopleModel& model,
+                    bool is_sequence);
+
+/// Dense matching as a yardstick; without random numbers, so one run.
+Method dense_method(DenseMatcher matcher, const DetectorOptions& options);
+
+/// What other programs reported: a run a file, each in the order of the dataset's pairs.
+Method reported_method(const std::string& name, std::vector<std::vector<ReportedFrame>> runs);
+
+/// A counted object that some runs missed.
+struct MissedInRuns {
+  std::string frame_name;
+  LabelledObject object;
+  int runs = 0;  ///< that missed it
+};
+
+/// How one method did.
+struct MethodResult {
+  std::string name;
+  int runs = 0;
+  std::map<MeasureKey, Estimate> estimates;
+  std::optional<double> time_ms;      ///< median over pairs and runs
+  std::optional<double> evaluations;  ///< mean over pairs and runs
+  std::vector<MissedInRuns> missed;   ///< in order of frames
+};
+
+/// How many labelled objects of a class or a band of range are to be found.
+struct ObjectCount {
+  std::string part;
+  int objects = 0;
+};
+
+struct Evaluation {
+  std::size_t frames = 0;
+  std::size_t frames_with_lidar = 0;
+  int objects = 0;                    ///< labelled ones that are to be found
+  std::vector<ObjectCount> by_class;  ///< in alphabetical order
+  std::vector<ObjectCount> by_range;  ///< from near to far
+  std::vector<MethodResult> methods;
+};
+
+/// Lets every method find obstacles in the pairs of the dataset and measures them against its truth.
+/// @param frames   indices of pairs, in order
+/// @param progress called with the number of pairs done
+/// @throws InputError from reading the pairs and from the methods
+Evaluation evaluate(const Dataset& dataset, std::span<const std::size_t> frames, const std::vector<Method>& methods,
+                    const MatchOptions& match = {}, const EstimateOptions& estimate = {},
+                    const std::function<void(std::size_t)>& progress = {});
+
+}  // namespace flies

@@ -1,0 +1,127 @@
+#include "flies/eval/evaluation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <utility>
+
+namespace flies {
+namespace {
+
+using Group = MeasureKey::Group;
+
+constexpr double kExact = 1e-9;  // sums of a few doubles
+
+Obstacle obstacle_at(double x_m, double y_m) {
+  Obstacle obstacle;
+  obstacle.x_m = x_m;
+  obstacle.y_m = y_m;
+  obstacle.range_m = std::hypot(x_m, y_m);
+  return obstacle;
+}
+
+/// Pairs without texture, a car 10 m ahead in each and a person 8 m ahead in the last.
+Dataset made_up_dataset(std::size_t pairs) {
+  Dataset dataset;
+  for (std::size_t i = 0; i < pairs; ++i)
+    dataset.pairs.push_back({"l/" + std::to_string(i) + ".png", "r/" + std::to_string(i) + ".png"});
+  dataset.load = [pairs](std::size_t i) {
+    TruthFrame frame;
+    frame.camera = {.fx_px = 60,
+                    .fy_px = 60,
+                    .cx_px = 40,
+                    .cx_right_px = 40,
+                    .cy_px = 30,
+                    .baseline_m = 0.5,
+                    .width_px = 80,
+                    .height_px = 60,
+                    .mount = {}};
+    const GrayImage flat{80, 60, std::vector<std::uint8_t>(4800, 90)};
+    frame.images = {flat, flat};
+    frame.truth.frame = static_cast<int>(i);
+    frame.truth.name = std::to_string(i);
+    frame.truth.objects.push_back({"Car", 0, {12, 0, 0, 4, 2}});
+    if (i + 1 == pairs) frame.truth.objects.push_back({"Pedestrian", 1, {8, 4, 0, 0.5, 0.5}});
+    return frame;
+  };
+  return dataset;
+}
+
+Findings findings(std::vector<Obstacle> obstacles, double time_ms, double evaluations) {
+  return {std::move(obstacles), time_ms, evaluations};
+}
+
+TEST(Evaluate, MeasuresEveryRunOfEveryMethod) {
+  const Dataset dataset = made_up_dataset(3);
+  const std::vector<std::size_t> frames = {0, 1, 2};
+  const Method sure{"sure", {[](std::size_t, const TruthFrame&) {
+                      return findings({obstacle_at(10, 0), obstacle_at(8, 4)}, 10, 100);
+                    }}};
+  const Method unsure{"unsure",
+                      {[](std::size_t, const TruthFrame&) { return findings({obstacle_at(10, 0)}, 1, 10); },
+                       [](std::size_t pair, const TruthFrame&) {
+                         return pair == 1 ? findings({}, 3, 20) : findings({obstacle_at(10, 0)}, 3, 20);
+                       }}};
+  std::vector<std::size_t> progress;
+  const Evaluation evaluation =
+      evaluate(dataset, frames, {sure, unsure}, {}, {}, [&](std::size_t done) { progress.push_back(done); });
+
+  EXPECT_EQ(progress, (std::vector<std::size_t>{1, 2, 3}));
+  EXPECT_EQ(evaluation.frames, 3u);
+  EXPECT_EQ(evaluation.frames_with_lidar, 0u);
+  EXPECT_EQ(evaluation.objects, 4);
+  ASSERT_EQ(evaluation.by_class.size(), 2u);
+  EXPECT_EQ(evaluation.by_class[0].part, "Car");
+  EXPECT_EQ(evaluation.by_class[0].objects, 3);
+  ASSERT_EQ(evaluation.by_range.size(), 4u);
+  EXPECT_EQ(evaluation.by_range[0].part, "5-10 m");
+  EXPECT_EQ(evaluation.by_range[0].objects, 1);
+
+  ASSERT_EQ(evaluation.methods.size(), 2u);
+  const auto& first = evaluation.methods[0];
+  EXPECT_EQ(first.name, "sure");
+  EXPECT_EQ(first.runs, 1);
+  EXPECT_NEAR(first.estimates.at({Group::all, "", "recall"}).median, 1.0, kExact);
+  EXPECT_NEAR(first.estimates.at({Group::all, "", "label_precision"}).median, 4.0 / 6.0, kExact);
+  EXPECT_EQ(first.time_ms, 10.0);
+  EXPECT_TRUE(first.missed.empty());
+
+  const auto& second = evaluation.methods[1];
+  EXPECT_EQ(second.runs, 2);
+  EXPECT_NEAR(second.estimates.at({Group::all, "", "recall"}).median, 2.5 / 4.0, kExact);
+  EXPECT_NEAR(second.estimates.at({Group::all, "", "recall"}).spread, 0.25, kExact);
+  EXPECT_EQ(second.time_ms, 2.0);
+  EXPECT_EQ(second.evaluations, 15.0);
+  ASSERT_EQ(second.missed.size(), 2u);
+  EXPECT_EQ(second.missed[0].frame_name, "1");
+  EXPECT_EQ(second.missed[0].object.type, "Car");
+  EXPECT_EQ(second.missed[0].runs, 1);
+  EXPECT_EQ(second.missed[1].object.type, "Pedestrian");
+  EXPECT_EQ(second.missed[1].runs, 2);
+}
+
+TEST(Evaluate, GivesReportsTheIndexOfThePairInTheWholeFolder) {
+  const Dataset dataset = made_up_dataset(4);
+  std::vector<ReportedFrame> reported(4);
+  reported[3].obstacles = {obstacle_at(10, 0), obstacle_at(8, 4)};
+  const std::vector<std::size_t> only_last = {3};
+  const Evaluation evaluation = evaluate(dataset, only_last, {reported_method("reported", {reported})});
+  EXPECT_NEAR(evaluation.methods[0].estimates.at({Group::all, "", "recall"}).median, 1.0, kExact);
+  EXPECT_FALSE(evaluation.methods[0].time_ms.has_value());
+}
+
+TEST(FliesMethod, RunsSeedsThatDifferAndRepeatThemselves) {
+  DetectorOptions options;
+  options.evolve.flies = 200;
+  options.evolve.generations = 1;
+  const TruthFrame frame = made_up_dataset(1).load(0);
+  const Method method = flies_method("default", options, 2, builtin_people_model(), false);
+  ASSERT_EQ(method.runs.size(), 2u);
+  const Findings first = method.runs[0](0, frame);
+  EXPECT_GE(first.evaluations.value(), 200.0);
+  EXPECT_GT(first.time_ms.value(), 0.0);
+  EXPECT_TRUE(first.obstacles.empty());  // a grey wall holds nothing to match
+}
+
+}  // namespace
+}  // namespace flies

@@ -1,0 +1,105 @@
+#include "flies/eval/yardstick.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "flies/core/error.hpp"
+#include "flies/core/random.hpp"
+#include "flies/io/gray_image.hpp"
+
+namespace flies {
+namespace {
+
+constexpr double kBoard_m = 12.5;     // depth of the board: 16 px of disparity, whole as texture without blur is
+constexpr double kFar_m = 60.0;       // depth of everything else, beyond the field
+constexpr double kRangeShare = 0.02;  // a third of a pixel of disparity, and the bins of the histogram
+constexpr double kBoardHalf_m = 1.0;  // of its width
+constexpr double kBoardTop_m = 1.6;
+
+StereoCamera camera() {
+  StereoCamera c;
+  c.fx_px = c.fy_px = 400;
+  c.cx_px = c.cx_right_px = 200;
+  c.cy_px = 100;
+  c.baseline_m = 0.5;
+  c.width_px = 400;
+  c.height_px = 200;
+  return c;
+}
+
+/// Random texture: what the ray through column u and row v of a camera at lateral place `eye_y_m` meets.
+std::uint8_t grey(double eye_y_m, int u, int v) {
+  const StereoCamera c = camera();
+  const auto texture = [](double a, double b, double cell_m, std::uint32_t surface) {
+    const auto word = [&](double k) {
+      return static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(k / cell_m)));
+    };
+    return static_cast<std::uint8_t>(philox({word(a), word(b), surface, 0}, 3)[0] >> 24);
+  };
+  const auto left_m = [&](double depth_m) { return eye_y_m + (c.cx_px - u) / c.fx_px * depth_m; };
+  const auto up_m = [&](double depth_m) { return c.mount.height_m + (c.cy_px - v) / c.fy_px * depth_m; };
+  const bool on_board =
+      std::abs(left_m(kBoard_m)) <= kBoardHalf_m && up_m(kBoard_m) >= 0 && up_m(kBoard_m) <= kBoardTop_m;
+  if (on_board) return texture(left_m(kBoard_m), up_m(kBoard_m), 0.06, 1);
+  return texture(left_m(kFar_m), up_m(kFar_m), 0.3, 2);
+}
+
+GrayImage image(double eye_y_m) {
+  GrayImage result{camera().width_px, camera().height_px, {}};
+  for (int v = 0; v < result.height_px; ++v)
+    for (int u = 0; u < result.width_px; ++u) result.pixels.push_back(grey(eye_y_m, u, v));
+  return result;
+}
+
+struct DetectDensely : ::testing::TestWithParam<DenseMatcher> {
+  DetectDensely() { options.road.estimate = false; }
+  GrayPair pair{image(0.0), image(-camera().baseline_m)};
+  DetectorOptions options;
+};
+
+TEST_P(DetectDensely, FindsABoardAtItsRange) {
+  const DenseDetection dense = detect_densely(pair.view(), camera(), GetParam(), options);
+  EXPECT_GT(dense.points, 100u);  // the board covers 67 by 53 pixels, a sixteenth of which are kept
+  ASSERT_FALSE(dense.obstacles.empty());
+  for (const auto& obstacle : dense.obstacles) {
+    EXPECT_NEAR(obstacle.x_m, kBoard_m, kRangeShare * kBoard_m);
+    EXPECT_LE(std::abs(obstacle.y_m), kBoardHalf_m);
+  }
+}
+
+TEST_P(DetectDensely, GivesTheSameTwice) {
+  const auto first = detect_densely(pair.view(), camera(), GetParam(), options);
+  const auto second = detect_densely(pair.view(), camera(), GetParam(), options);
+  ASSERT_EQ(first.obstacles.size(), second.obstacles.size());
+  for (std::size_t i = 0; i < first.obstacles.size(); ++i) EXPECT_EQ(first.obstacles[i].x_m, second.obstacles[i].x_m);
+}
+
+TEST_P(DetectDensely, FindsTheBoardWithPrincipalPointsApart) {
+  // Shifting the right picture moves its principal point; all disparities change, the scene does not.
+  constexpr int kShift_px = 30;
+  GrayImage shifted = pair.right;
+  for (int v = 0; v < shifted.height_px; ++v)
+    for (int u = 0; u < shifted.width_px; ++u)
+      shifted.pixels[static_cast<std::size_t>(v * shifted.width_px + u)] = grey(-camera().baseline_m, u - kShift_px, v);
+  StereoCamera c = camera();
+  c.cx_right_px += kShift_px;
+  const DenseDetection dense = detect_densely({pair.left.view(), shifted.view()}, c, GetParam(), options);
+  ASSERT_FALSE(dense.obstacles.empty());
+  EXPECT_NEAR(dense.obstacles[0].x_m, kBoard_m, kRangeShare * kBoard_m);
+}
+
+TEST_P(DetectDensely, RefusesPairsThatDoNotFit) {
+  StereoCamera other = camera();
+  other.width_px = 640;
+  EXPECT_THROW(detect_densely(pair.view(), other, GetParam(), options), InputError);
+  EXPECT_THROW(detect_densely({}, camera(), GetParam(), options), InputError);
+}
+
+INSTANTIATE_TEST_SUITE_P(Matchers, DetectDensely, ::testing::Values(DenseMatcher::sgbm, DenseMatcher::sgbm_3way),
+                         [](const auto& row) { return row.param == DenseMatcher::sgbm ? "Sgbm" : "Sgbm3Way"; });
+
+}  // namespace
+}  // namespace flies
