@@ -65,6 +65,7 @@ void setup(CLI::App& app) {
   setup_detect(app);
   setup_calib(app);
   setup_synth(app);
+  setup_evaluate(app);
   setup_config(app);
   setup_info(app);
 }

@@ -1,0 +1,218 @@
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <opencv2/core/utility.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "evaluation_report.hpp"
+#include "flies/classify/people_model.hpp"
+#include "flies/core/error.hpp"
+#include "flies/core/options.hpp"
+#include "flies/eval/dataset.hpp"
+#include "flies/eval/evaluation.hpp"
+#include "flies/io/output_file.hpp"
+#include "method_arguments.hpp"
+#include "notes.hpp"
+#include "progress_bar.hpp"
+#include "standard_output.hpp"
+
+namespace {
+
+using Overrides = std::vector<std::pair<std::string, std::string>>;
+
+struct EvaluateArguments {
+  std::string folder;
+  std::vector<int> cameras;
+  std::string calib;
+  std::optional<double> camera_height_m, camera_pitch_deg, camera_roll_deg;
+  int start = 0, step = 1;
+  std::vector<std::string> detections;
+  std::vector<std::string> yardsticks;
+  int seeds = 5;
+  std::string model;
+  MethodArguments method;
+  Overrides match, estimate;  ///< dotted name and text
+  std::string json;
+  bool missed = false;
+};
+
+flies::DatasetRequest dataset_request(const EvaluateArguments& arguments) {
+  flies::DatasetRequest request;
+  request.calib = arguments.calib;
+  if (!arguments.cameras.empty()) request.cameras = std::array{arguments.cameras[0], arguments.cameras[1]};
+  request.camera_height_m = arguments.camera_height_m;
+  if (arguments.camera_pitch_deg) request.camera_pitch_rad = flies::radians(*arguments.camera_pitch_deg);
+  if (arguments.camera_roll_deg) request.camera_roll_rad = flies::radians(*arguments.camera_roll_deg);
+  return request;
+}
+
+template <class Options>
+Options with_overrides(const Overrides& overrides) {
+  Options options;
+  for (const auto& [path, text] : overrides) flies::set_option(options, path, text, "command line");
+  return options;
+}
+
+std::vector<std::size_t> frames_of(const EvaluateArguments& arguments, std::size_t count) {
+  std::vector<std::size_t> frames;
+  for (auto i = static_cast<std::size_t>(arguments.start); i < count; i += static_cast<std::size_t>(arguments.step))
+    frames.push_back(i);
+  if (frames.empty())
+    throw flies::InputError("command line", "--start",
+                            fmt::format("found {}, but {} has {} pairs", arguments.start, arguments.folder, count));
+  return frames;
+}
+
+/// What is held against the method: a dense matcher or another preset.
+flies::Method yardstick(const std::string& name, const flies::DetectorOptions& options,
+                        const EvaluateArguments& arguments, const flies::PeopleModel& model, bool is_sequence) {
+  constexpr const auto& kMatchers = flies::EnumNames<flies::DenseMatcher>::names;
+  constexpr const auto& kPresets = flies::EnumNames<flies::Preset>::names;
+  if (const auto matcher = std::find(kMatchers.begin(), kMatchers.end(), name); matcher != kMatchers.end())
+    return flies::dense_method(static_cast<flies::DenseMatcher>(matcher - kMatchers.begin()), options);
+  const auto preset = std::find(kPresets.begin(), kPresets.end(), name);
+  if (preset == kPresets.end())
+    throw flies::InputError("command line", "--yardstick",
+                            fmt::format("found '{}', expected sgbm, sgbm-3way, default or paper", name));
+  flies::DetectorOptions of_preset = flies::preset_options(static_cast<flies::Preset>(preset - kPresets.begin()));
+  of_preset.seed = options.seed;
+  of_preset.threads = options.threads;
+  return flies::flies_method(name, of_preset, arguments.seeds, model, is_sequence);
+}
+
+std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const flies::DetectorOptions& options,
+                                      const flies::Dataset& dataset) {
+  const flies::PeopleModel model =
+      arguments.model.empty() ? flies::builtin_people_model() : flies::people_model(arguments.model);
+  std::vector<flies::Method> methods;
+  if (arguments.detections.empty()) {
+    methods.push_back(
+        flies::flies_method(arguments.method.preset, options, arguments.seeds, model, dataset.is_sequence));
+  } else {
+    std::vector<std::vector<flies::ReportedFrame>> runs;
+    for (const auto& file : arguments.detections)
+      runs.push_back(flies::match_detections(flies::read_detections(file), dataset.pairs, file));
+    methods.push_back(flies::reported_method("reported", std::move(runs)));
+  }
+  for (const auto& name : arguments.yardsticks)
+    methods.push_back(yardstick(name, options, arguments, model, dataset.is_sequence));
+  return methods;
+}
+
+void run_evaluate(const EvaluateArguments& arguments) {
+  EvaluationContext context;
+  context.folder = arguments.folder;
+  context.preset = arguments.method.preset;
+  context.options = effective_options(arguments.method);
+  context.match = with_overrides<flies::MatchOptions>(arguments.match);
+  context.estimate = with_overrides<flies::EstimateOptions>(arguments.estimate);
+
+  const flies::Dataset dataset = flies::open_dataset(arguments.folder, dataset_request(arguments));
+  context.kind = dataset.kind;
+  const auto frames = frames_of(arguments, dataset.pairs.size());
+  const auto methods = methods_of(arguments, context.options, dataset);
+  std::optional<flies::OutputFile> json;
+  if (!arguments.json.empty()) json.emplace(arguments.json);
+
+  // Threads of the flies, and as many for OpenCV's matching.
+  std::optional<tbb::global_control> thread_limit;
+  if (context.options.threads > 0) {
+    thread_limit.emplace(tbb::global_control::max_allowed_parallelism,
+                         static_cast<std::size_t>(context.options.threads));
+    cv::setNumThreads(context.options.threads);
+  }
+  std::optional<ProgressBar> progress(std::in_place, frames.size());
+  const auto evaluation = flies::evaluate(dataset, frames, methods, context.match, context.estimate,
+                                          [&](std::size_t done) { progress->show(done); });
+  progress.reset();
+
+  say_notes(dataset.notes);
+  if (json) {
+    json->write(evaluation_json(evaluation, context));
+    json->commit();
+  }
+  if (arguments.json == "-") return;
+  print(evaluation_table(evaluation, context));
+  if (arguments.missed) print(missed_table(evaluation));
+}
+
+void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
+  command.add_option("TRUTH", arguments.folder, "KITTI drive or object folder, result of flies synth, or foot points")
+      ->required();
+  command.add_option("--cameras", arguments.cameras, "of a KITTI drive, e.g. 2,3; else 0,1 when there, else 2,3")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(CLI::Range(0, 3))
+      ->type_name("L,R");
+  command.add_option("--calib", arguments.calib, "calibration, where the folder holds none")->type_name("FILE");
+  command.add_option("--camera-height", arguments.camera_height_m, "of the left camera above the road, metres")
+      ->type_name("M");
+  command.add_option("--camera-pitch", arguments.camera_pitch_deg, "degrees, positive when it looks down")
+      ->type_name("DEG");
+  command.add_option("--camera-roll", arguments.camera_roll_deg, "degrees, positive when it leans to the right")
+      ->type_name("DEG");
+  command.add_option("--start", arguments.start, "first pair, from 0")->check(CLI::NonNegativeNumber)->type_name("N");
+  command.add_option("--step", arguments.step, "every so many pairs")->check(CLI::PositiveNumber)->type_name("N");
+}
+
+template <class Options>
+void add_dotted_options(CLI::App& command, const std::string& name, Overrides& overrides) {
+  for (const auto& listing : flies::list_options(Options{}))
+    command
+        .add_option_function<std::string>(
+            "--" + name + "." + listing.path,
+            [&overrides, path = listing.path](const std::string& text) { overrides.emplace_back(path, text); },
+            fmt::format("{}; {}, default {}", listing.meaning, listing.allowed, listing.value))
+        ->type_name("N")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->group("Measuring");
+}
+
+}  // namespace
+
+void setup_evaluate(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("evaluate", "measure obstacles against known truth");
+  const auto arguments = std::make_shared<EvaluateArguments>();
+  add_truth_options(*command, *arguments);
+  command
+      ->add_option("--detections", arguments->detections,
+                   "JSON Lines of any program instead of detecting now; several files count as runs")
+      ->type_name("FILE");
+  add_method_options(*command, arguments->method);
+  command->add_option("--seeds", arguments->seeds, "runs with seeds from --seed upwards, default 5")
+      ->check(CLI::Range(1, 10000))
+      ->type_name("N")
+      ->group("Method");
+  command->add_option("--model", arguments->model, "people model: opencv-48x96 (default), opencv-64x128 or a file")
+      ->type_name("NAME|FILE")
+      ->group("Method");
+  command
+      ->add_option("--yardstick", arguments->yardsticks,
+                   "measured in the same run: sgbm, sgbm-3way (OpenCV's dense matching), default, paper")
+      ->delimiter(',')
+      ->type_name("LIST")
+      ->group("Method");
+  add_dotted_options<flies::MatchOptions>(*command, "match", arguments->match);
+  add_dotted_options<flies::EstimateOptions>(*command, "estimate", arguments->estimate);
+  command->add_flag("--missed", arguments->missed, "list the objects that were missed, pair by pair")->group("Output");
+  command->add_option("--json", arguments->json, "all numbers as JSON; - is standard output, without the table")
+      ->type_name("FILE")
+      ->group("Output");
+  command->footer(
+      "\nThe kind of truth is recognised from the folder's content; docs/evaluation.md describes each kind, the\n"
+      "measures and the JSON. Times are those of one pair after another, from the pair to its obstacles.\n"
+      "\nExamples:\n"
+      "  flies evaluate 2011_09_26/2011_09_26_drive_0005_sync --yardstick sgbm,sgbm-3way\n"
+      "  flies evaluate kitti/object/training --preset paper --missed\n"
+      "  flies synth street --frames 20 && flies evaluate street --json measures.json\n"
+      "  flies evaluate street --detections found.jsonl\n"
+      "\nExit status: 0 done, 2 a fault in the input, told in one line.");
+  command->callback([arguments] { run_evaluate(*arguments); });
+}

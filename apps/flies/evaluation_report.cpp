@@ -1,0 +1,214 @@
+#include "evaluation_report.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "flies/core/options.hpp"
+
+namespace {
+
+using flies::Estimate;
+using flies::Evaluation;
+using flies::MeasureKey;
+using flies::MethodResult;
+using Group = MeasureKey::Group;
+using Json = nlohmann::ordered_json;
+
+constexpr int kLabelWidth = 34, kColumnWidth = 30;
+
+/// How a measure is written.
+struct Style {
+  double scale = 1.0;
+  int decimals = 3;
+  bool has_sign = false;
+};
+constexpr Style kShare{1.0, 3, false};
+constexpr Style kPercent{100.0, 2, false};
+constexpr Style kSignedPercent{100.0, 2, true};
+constexpr Style kMetres{1.0, 2, false};
+constexpr Style kSignedMetres{1.0, 2, true};
+constexpr Style kCount{1.0, 1, false};
+
+struct Row {
+  const char* label;
+  const char* measure;
+  Style style;
+};
+constexpr Row kRows[] = {
+    {"precision against lidar", "precision", kShare},
+    {"precision against labels", "label_precision", kShare},
+    {"recall, labelled objects", "recall", kShare},
+    {"recall, people to 30 m", "people_recall", kShare},
+    {"range error, median |.| [%]", "absolute_range_error", kPercent},
+    {"range error, median signed [%]", "range_error", kSignedPercent},
+    {"width error, median |.| [m]", "absolute_width_error_m", kMetres},
+    {"width error, median signed [m]", "width_error_m", kSignedMetres},
+    {"height error, median |.| [m]", "absolute_height_error_m", kMetres},
+    {"height error, median signed [m]", "height_error_m", kSignedMetres},
+    {"obstacles a pair", "obstacles_per_frame", kCount},
+    {"reports a found object", "reports_per_found_object", kMetres},
+};
+constexpr Row kPartRows[] = {
+    {"recall", "recall", kShare},
+    {"precision against lidar", "precision", kShare},
+    {"precision against labels", "label_precision", kShare},
+    {"range error, median |.| [%]", "absolute_range_error", kPercent},
+    {"range error, median signed [%]", "range_error", kSignedPercent},
+    {"width error, median |.| [m]", "absolute_width_error_m", kMetres},
+    {"height error, median |.| [m]", "absolute_height_error_m", kMetres},
+};
+
+std::string number(double value, const Style& style) {
+  const double scaled = value * style.scale;
+  return style.has_sign ? fmt::format("{:+.{}f}", scaled, style.decimals)
+                        : fmt::format("{:.{}f}", scaled, style.decimals);
+}
+
+/// "0.981 (0.970-0.990) ~0.004": median, interval over frames, spread over seeds.
+std::string cell(const MethodResult& method, const MeasureKey& key, const Style& style, bool with_interval) {
+  const auto found = method.estimates.find(key);
+  if (found == method.estimates.end()) return "-";
+  const Estimate& estimate = found->second;
+  std::string text = number(estimate.median, style);
+  if (with_interval && estimate.low && estimate.high)
+    text += fmt::format(" ({}..{})", number(*estimate.low, style), number(*estimate.high, style));
+  if (with_interval && method.runs > 1) text += " ~" + number(estimate.spread, {style.scale, style.decimals, false});
+  return text;
+}
+
+/// A line with a cell a method; empty when no method has one.
+std::string line(const Evaluation& evaluation, const std::string& label,
+                 const std::function<std::string(const MethodResult&)>& cell_of) {
+  std::string text = fmt::format("{:<{}}", label, kLabelWidth);
+  bool is_empty = true;
+  for (const auto& method : evaluation.methods) {
+    const std::string content = cell_of(method);
+    is_empty = is_empty && content == "-";
+    text += fmt::format(" {:<{}}", content, kColumnWidth);
+  }
+  text.erase(text.find_last_not_of(' ') + 1);
+  return is_empty ? "" : text + "\n";
+}
+
+/// The part as a heading, then its measures without intervals.
+std::string part_lines(const Evaluation& evaluation, Group group, const std::string& part, int objects) {
+  std::string text;
+  for (const auto& row : kPartRows) {
+    const MeasureKey key{group, part, row.measure};
+    text += line(evaluation, fmt::format("  {}", row.label),
+                 [&](const MethodResult& method) { return cell(method, key, row.style, false); });
+  }
+  if (text.empty()) return "";
+  return fmt::format("{}, {} {}\n", part, objects, objects == 1 ? "object" : "objects") + text;
+}
+
+Json rounded(double value) {
+  constexpr double kDigits = 1e6;
+  return std::round(value * kDigits) / kDigits + 0.0;  // + 0 turns -0 into 0
+}
+
+Json json_of(const Estimate& estimate) {
+  Json json = {{"median", rounded(estimate.median)}, {"spread", rounded(estimate.spread)}};
+  if (estimate.low && estimate.high) {
+    json["low"] = rounded(*estimate.low);
+    json["high"] = rounded(*estimate.high);
+  }
+  return json;
+}
+
+Json json_of(const flies::MissedInRuns& missed) {
+  const auto& object = missed.object;
+  return {{"name", missed.frame_name},
+          {"class", object.type},
+          {"track", object.track},
+          {"x_m", rounded(object.footprint.x_m)},
+          {"y_m", rounded(object.footprint.y_m)},
+          {"near_range_m", rounded(flies::near_range_m(object.footprint))},
+          {"occlusion", object.occlusion},
+          {"runs", missed.runs}};
+}
+
+Json json_of(const MethodResult& method, const Evaluation& evaluation) {
+  Json json = {{"name", method.name}, {"runs", method.runs}};
+  json["time_ms"] = method.time_ms ? rounded(*method.time_ms) : Json(nullptr);
+  json["evaluations"] = method.evaluations ? rounded(*method.evaluations) : Json(nullptr);
+  json["all"] = json["by_class"] = json["by_range"] = Json::object();
+  for (const auto& [part, objects] : evaluation.by_class) json["by_class"][part]["objects"] = objects;
+  for (const auto& [part, objects] : evaluation.by_range) json["by_range"][part]["objects"] = objects;
+  for (const auto& [key, estimate] : method.estimates) {
+    Json& group = json[key.group == Group::all ? "all" : key.group == Group::by_class ? "by_class" : "by_range"];
+    (key.group == Group::all ? group : group[key.part])[key.measure] = json_of(estimate);
+  }
+  json["missed"] = Json::array();
+  for (const auto& missed : method.missed) json["missed"].push_back(json_of(missed));
+  return json;
+}
+
+template <class Options>
+Json json_of_options(const Options& options) {
+  Json json = Json::object();
+  for (const auto& listing : flies::list_options(options)) json[listing.path] = listing.value;
+  return json;
+}
+
+}  // namespace
+
+std::string evaluation_table(const Evaluation& evaluation, const EvaluationContext& context) {
+  std::string text = fmt::format("{}: {}, {} pairs, {} with lidar, {} objects to be found from {:g} to {:g} m\n",
+                                 context.folder, flies::kTruthKindNames[static_cast<std::size_t>(context.kind)],
+                                 evaluation.frames, evaluation.frames_with_lidar, evaluation.objects,
+                                 context.match.min_range_m, context.match.max_range_m);
+  text += fmt::format("median of the runs ({:g} % interval over pairs) ~spread of the runs\n",
+                      100.0 * context.estimate.confidence);
+  text += line(evaluation, "", [](const MethodResult& method) {
+    return fmt::format("{}, {} {}", method.name, method.runs, method.runs == 1 ? "run" : "runs");
+  });
+  for (const auto& row : kRows)
+    text += line(evaluation, row.label, [&](const MethodResult& method) {
+      return cell(method, {Group::all, "", row.measure}, row.style, true);
+    });
+  text += line(evaluation, "fitness evaluations a pair", [](const MethodResult& method) {
+    return method.evaluations ? fmt::format("{:.0f}", *method.evaluations) : "-";
+  });
+  text += line(evaluation, "time to the obstacles [ms]", [](const MethodResult& method) {
+    return method.time_ms ? fmt::format("{:.1f}", *method.time_ms) : "-";
+  });
+  for (const auto& [part, count] : evaluation.by_class) text += part_lines(evaluation, Group::by_class, part, count);
+  for (const auto& [part, count] : evaluation.by_range) text += part_lines(evaluation, Group::by_range, part, count);
+  return text;
+}
+
+std::string missed_table(const Evaluation& evaluation) {
+  std::string text;
+  for (const auto& method : evaluation.methods) {
+    text += fmt::format("missed by {}{}\n", method.name, method.missed.empty() ? ": nothing" : ":");
+    for (const auto& [name, object, runs] : method.missed)
+      text +=
+          fmt::format("  {:<12} {:<16} x {:6.2f} y {:6.2f} m, near face {:5.2f} m, occlusion {}, in {} of {} runs\n",
+                      name, fmt::format("{} {}", object.type, object.track), object.footprint.x_m, object.footprint.y_m,
+                      flies::near_range_m(object.footprint), object.occlusion, runs, method.runs);
+  }
+  return text;
+}
+
+std::string evaluation_json(const Evaluation& evaluation, const EvaluationContext& context) {
+  Json json = {{"truth", context.folder},
+               {"kind", flies::kTruthKindNames[static_cast<std::size_t>(context.kind)]},
+               {"pairs", evaluation.frames},
+               {"pairs_with_lidar", evaluation.frames_with_lidar},
+               {"objects", evaluation.objects},
+               {"seed", context.options.seed},
+               {"preset", context.preset},
+               {"match", json_of_options(context.match)},
+               {"estimate", json_of_options(context.estimate)},
+               {"options", json_of_options(context.options)},
+               {"methods", Json::array()}};
+  for (const auto& method : evaluation.methods) json["methods"].push_back(json_of(method, evaluation));
+  constexpr int kIndent = 2;
+  return json.dump(kIndent, ' ', false, Json::error_handler_t::replace) + "\n";
+}

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "flies/eval/evaluation.hpp"
+
+/// What was evaluated and how, beside the numbers.
+struct EvaluationContext {
+  std::string folder;
+  flies::TruthKind kind = flies::TruthKind::scenes;
+  flies::MatchOptions match;
+  flies::EstimateOptions estimate;
+  std::string preset;
+  flies::DetectorOptions options;  ///< of the method's first run
+};
+
+/// The measures for people to read: a column a method.
+std::string evaluation_table(const flies::Evaluation& evaluation, const EvaluationContext& context);
+
+/// The missed objects, a line each.
+std::string missed_table(const flies::Evaluation& evaluation);
+
+/// Everything as one JSON object, see docs/evaluation.md.
+std::string evaluation_json(const flies::Evaluation& evaluation, const EvaluationContext& context);

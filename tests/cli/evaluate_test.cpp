@@ -1,0 +1,208 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "flies/io/calibration.hpp"
+#include "run_flies.hpp"
+#include "street_pair.hpp"
+
+namespace fs = std::filesystem;
+
+namespace flies::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using Words = std::vector<std::string>;
+
+/// The street twice as a folder of scenes, with its box as the only object.
+void write_scenes(const fs::path& folder) {
+  for (const char* name : {"left", "right", "truth"}) fs::create_directories(folder / "scenes" / name);
+  for (const std::string name : {"a", "b"}) {
+    cv::imwrite((folder / "scenes/left" / (name + ".png")).string(), street_pair().left);
+    cv::imwrite((folder / "scenes/right" / (name + ".png")).string(), street_pair().right);
+    write_text(folder / "scenes/truth" / (name + ".json"),
+               R"({"objects": [{"class": "box", "x_m": 10.4, "y_m": 1, "length_m": 0.8, "width_m": 1.6,
+                                "height_m": 1.8}]})");
+  }
+  write_text(folder / "scenes/calib.yaml", calibration_yaml(street_camera()));
+}
+
+/// `flies evaluate` on these scenes, quick.
+Words evaluate(const Words& more = {}) {
+  Words words = {"evaluate", "scenes", "--evolve.flies", "1000", "--seeds", "2", "--estimate.resamples", "20"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+struct Evaluate : ::testing::Test {
+  Evaluate() { write_scenes(folder.path()); }
+  TestFolder folder;
+};
+
+const json& method(const json& evaluation, std::size_t index) { return evaluation.at("methods").at(index); }
+
+TEST_F(Evaluate, WritesTheDocumentedJson) {
+  const RunResult result = run_flies(folder.path(), evaluate({"--json", "-", "--yardstick", "sgbm,sgbm-3way,paper"}));
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const json evaluation = json::parse(result.out);
+  EXPECT_EQ(evaluation.at("pairs"), 2);
+  EXPECT_EQ(evaluation.at("pairs_with_lidar"), 0);
+  EXPECT_EQ(evaluation.at("objects"), 2);
+  EXPECT_EQ(evaluation.at("seed"), 1);
+  EXPECT_EQ(evaluation.at("preset"), "default");
+  EXPECT_EQ(evaluation.at("options").at("evolve.flies"), "1000");
+  EXPECT_TRUE(evaluation.at("match").contains("radius_m"));
+  ASSERT_EQ(evaluation.at("methods").size(), 4u);
+  const char* const names[] = {"default", "sgbm", "sgbm-3way", "paper"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(method(evaluation, i).at("name"), names[i]);
+    EXPECT_GT(method(evaluation, i).at("time_ms").get<double>(), 0.0);
+  }
+  for (const std::size_t found : {0, 1, 2}) {
+    const json& recall = method(evaluation, found).at("all").at("recall");
+    EXPECT_EQ(recall.at("median"), 1.0) << names[found];
+    for (const char* key : {"spread", "low", "high"}) EXPECT_TRUE(recall.at(key).is_number()) << key;
+  }
+  EXPECT_EQ(method(evaluation, 0).at("runs"), 2);
+  EXPECT_EQ(method(evaluation, 1).at("runs"), 1);
+  EXPECT_GE(method(evaluation, 0).at("evaluations").get<double>(), 1000.0);
+  EXPECT_TRUE(method(evaluation, 1).at("evaluations").is_null());
+  EXPECT_EQ(method(evaluation, 0).at("by_class").at("Box").at("objects"), 2);
+  EXPECT_EQ(method(evaluation, 0).at("by_range").at("5-10 m").at("objects"), 0);
+  EXPECT_EQ(method(evaluation, 0).at("by_range").at("10-20 m").at("objects"), 2);
+}
+
+TEST_F(Evaluate, PrintsATableAndTheMissedObjects) {
+  write_text(folder.path() / "d.jsonl", "{\"obstacles\": [{\"x_m\": 10, \"y_m\": 1}]}\n{\"obstacles\": []}\n");
+  const RunResult result = run_flies(folder.path(), evaluate({"--detections", "d.jsonl", "--missed"}));
+  EXPECT_EQ(result.status, 0) << result.err;
+  for (const char* word : {"folder of scenes, 2 pairs", "reported, 1 run", "recall, labelled objects", "0.500",
+                           "Box, 2", "10-20 m", "missed by reported:", "b ", "in 1 of 1 runs"})
+    EXPECT_THAT(result.out, HasSubstr(word));
+}
+
+TEST_F(Evaluate, ReadsWhatDetectWrote) {
+  ASSERT_EQ(run_flies(folder.path(), {"detect", "scenes/left", "scenes/right", "--calib", "scenes/calib.yaml", "--json",
+                                      "d.jsonl", "--evolve.flies", "1000"})
+                .status,
+            0);
+  const RunResult result = run_flies(folder.path(), evaluate({"--detections", "d.jsonl", "--json", "-"}));
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(method(json::parse(result.out), 0).at("all").at("recall").at("median"), 1.0);
+}
+
+TEST_F(Evaluate, RepeatsItselfButForTheTimes) {
+  const auto measures = [&] {
+    json evaluation = json::parse(run_flies(folder.path(), evaluate({"--json", "-"})).out);
+    evaluation.at("methods").at(0).erase("time_ms");
+    return evaluation;
+  };
+  EXPECT_EQ(measures(), measures());
+}
+
+TEST_F(Evaluate, TakesEverySoManyPairs) {
+  const RunResult result = run_flies(folder.path(), evaluate({"--start", "1", "--step", "2", "--json", "-"}));
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(json::parse(result.out).at("pairs"), 1);
+}
+
+/// Spoils the folder of scenes and gives the command that meets the fault.
+struct BadTruth {
+  const char* name;
+  std::function<Words(const fs::path&)> prepare;
+  Words named;  ///< what the message must name
+};
+
+std::ostream& operator<<(std::ostream& stream, const BadTruth& input) { return stream << input.name; }
+
+std::vector<BadTruth> bad_truths() {
+  const auto with_words = [](const Words& more) { return [more](const fs::path&) { return evaluate(more); }; };
+  const auto with_detections = [](const std::string& text) {
+    return [text](const fs::path& f) {
+      write_text(f / "d.jsonl", text);
+      return evaluate({"--detections", "d.jsonl"});
+    };
+  };
+  return {
+      {"FolderWithoutTruth",
+       [](const fs::path&) {
+         return Words{"evaluate", "."};
+       },
+       {".: holds no truth"}},
+      {"MissingFolder",
+       [](const fs::path&) {
+         return Words{"evaluate", "gone"};
+       },
+       {"gone: is not a folder"}},
+      {"TruthMissingForAPair",
+       [](const fs::path& f) {
+         fs::remove(f / "scenes/truth/b.json");
+         return evaluate();
+       },
+       {"scenes/truth", "found 1", "expected 2"}},
+      {"MalformedTruth",
+       [](const fs::path& f) {
+         write_text(f / "scenes/truth/b.json", "{\"objects\": [{\"class\": \"car\", \"x_m\": 4}]}");
+         return evaluate();
+       },
+       {"b.json", "objects[0].y_m"}},
+      {"MissingCalibration",
+       [](const fs::path& f) {
+         fs::remove(f / "scenes/calib.yaml");
+         return evaluate();
+       },
+       {"scenes: calib.yaml"}},
+      {"MalformedDetections",
+       with_detections("{\"obstacles\": []}\n{\"obstacles\": [\n"),
+       {"d.jsonl: line 2: not JSON"}},
+      {"DetectionWithoutPosition",
+       with_detections("{\"obstacles\": [{\"x_m\": 3}]}\n{\"obstacles\": []}\n"),
+       {"d.jsonl: line 1: obstacles[0].y_m"}},
+      {"FewerDetectionsThanPairs", with_detections("{\"obstacles\": []}\n"), {"d.jsonl: found 1", "expected 2"}},
+      {"DetectionsOfOtherPairs",
+       with_detections("{\"left\": \"a.png\", \"obstacles\": []}\n{\"left\": \"z.png\", \"obstacles\": []}\n"),
+       {"d.jsonl: left", "pair b"}},
+      {"MissingDetections", with_words({"--detections", "gone.jsonl"}), {"gone.jsonl"}},
+      {"UnknownYardstick", with_words({"--yardstick", "sgbm,lidar"}), {"--yardstick", "lidar", "sgbm-3way"}},
+      {"StartBehindTheEnd", with_words({"--start", "2"}), {"--start", "2"}},
+      {"NegativeStep", with_words({"--step", "-1"}), {"--step", "-1"}},
+      {"NoSeeds", with_words({"--seeds", "0"}), {"--seeds"}},
+      {"MatchOptionOutOfRange", with_words({"--match.radius_m", "-1"}), {"radius_m", "-1"}},
+      {"MethodOptionOutOfRange", with_words({"--evolve.generations", "-1"}), {"evolve.generations", "-1"}},
+      {"OneCamera", with_words({"--cameras", "1"}), {"--cameras"}},
+      {"CamerasOfScenes", with_words({"--cameras", "0,1"}), {"scenes", "cameras"}},
+      {"OutputFolderMissing", with_words({"--json", "gone/e.json"}), {"gone/e.json"}},
+  };
+}
+
+class BadTruths : public ::testing::TestWithParam<BadTruth> {};
+
+TEST_P(BadTruths, EndWithOneLineAndStatus2) {
+  const TestFolder folder;
+  write_scenes(folder.path());
+  const Words command = GetParam().prepare(folder.path());
+  const auto before = folder.listing();
+
+  const RunResult result = run_flies(folder.path(), command);
+
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(lines(result.err).size(), 1u) << result.err;
+  EXPECT_THAT(result.err, ::testing::StartsWith("flies: "));
+  for (const auto& word : GetParam().named) EXPECT_THAT(result.err, HasSubstr(word));
+  EXPECT_EQ(folder.listing(), before) << "nothing may be left behind";
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, BadTruths, ::testing::ValuesIn(bad_truths()),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+}  // namespace
+}  // namespace flies::testing
