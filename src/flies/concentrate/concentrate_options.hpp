@@ -25,7 +25,7 @@ struct AssembleOptions {
   double see_through_share = 0.3;
   double max_width_m = 3.0;
   double near_quantile = 0.1;
-  double radius_bandwidths = 2.5;
+  double radius_bandwidths = 3.5;
   double min_height_m = 0.3;
   double min_height_px = 9.0;
   double min_extent_m = 0.4;

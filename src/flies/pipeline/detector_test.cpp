@@ -1,3 +1,144 @@
 #include "flies/pipeline/detector.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "flies/core/error.hpp"
+#include "flies/core/random.hpp"
+
+namespace flies {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr int kWidth_px = 480, kHeight_px = 200;
+
+StereoCamera camera() {
+  return {.fx_px = 400,
+          .fy_px = 400,
+          .cx_px = 240,
+          .cx_right_px = 240,
+          .cy_px = 80,
+          .baseline_m = 0.5,
+          .width_px = kWidth_px,
+          .height_px = kHeight_px,
+          .mount = {.height_m = 1.5}};
+}
+
+/// A board of noise, 1 m wide and 1.6 m tall, 10 m ahead on a uniform ground; disparity 20 px.
+struct Board {
+  std::vector<std::uint8_t> left, right;
+
+  Board() : left(kWidth_px * kHeight_px, 120), right(kWidth_px * kHeight_px, 120) {
+    for (int v = 76; v < 140; ++v)
+      for (int u = 220; u < 260; ++u) {
+        const auto gray = static_cast<std::uint8_t>(
+            FlyRandom(8, 0, static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(u)).below(256));
+        left[static_cast<std::size_t>(v * kWidth_px + u)] = gray;
+        right[static_cast<std::size_t>(v * kWidth_px + u - 20)] = gray;
+      }
+  }
+  RectifiedPair pair() const {
+    return {{left.data(), kWidth_px, kHeight_px, kWidth_px}, {right.data(), kWidth_px, kHeight_px, kWidth_px}};
+  }
+};
+
+TEST(Detector, FindsABoardAhead) {
+  for (const auto preset : {Preset::standard, Preset::paper}) {
+    const auto found = Detector(camera(), preset_options(preset)).process(Board().pair());
+    ASSERT_FALSE(found.obstacles.empty()) << enum_name(preset);
+    for (const auto& obstacle : found.obstacles) {
+      EXPECT_NEAR(obstacle.range_m, 10.0, 0.05 * 10.0) << enum_name(preset);
+      EXPECT_NEAR(obstacle.y_m, 0.0, 0.7) << enum_name(preset);
+    }
+    EXPECT_EQ(found.obstacles.size(), found.concentrate.obstacles.size());
+    EXPECT_EQ(found.roi_scores.size(), found.rois.size());
+  }
+}
+
+TEST(Detector, ReportsOneObstacleWithItsSizeByDefault) {
+  const auto found = Detector(camera()).process(Board().pair());
+  ASSERT_EQ(found.obstacles.size(), 1U);
+  EXPECT_NEAR(found.obstacles[0].width_m, 1.0, 0.25);
+  EXPECT_NEAR(found.obstacles[0].height_m, 1.6, 0.25);
+}
+
+TEST(Detector, FindsNothingInAUniformPair) {
+  const std::vector<std::uint8_t> gray(kWidth_px * kHeight_px, 90);
+  const GrayView view{gray.data(), kWidth_px, kHeight_px, kWidth_px};
+  const auto found = Detector(camera()).process({view, view});
+  EXPECT_TRUE(found.obstacles.empty());
+  EXPECT_TRUE(found.pedestrians.empty());
+}
+
+TEST(Detector, DoesNotDependOnTheNumberOfThreads) {
+  const Board board;
+  const auto with_threads = [&](int threads) {
+    DetectorOptions options;
+    options.threads = threads;
+    return Detector(camera(), options).process(board.pair());
+  };
+  const auto one = with_threads(1), four = with_threads(4);
+  EXPECT_EQ(one.evolved.flies.x_m, four.evolved.flies.x_m);
+  EXPECT_EQ(one.roi_scores, four.roi_scores);
+  ASSERT_EQ(one.obstacles.size(), four.obstacles.size());
+  for (std::size_t i = 0; i < one.obstacles.size(); ++i) EXPECT_EQ(one.obstacles[i].x_m, four.obstacles[i].x_m);
+}
+
+TEST(Detector, ReadsRowsWithAStride) {
+  const Board board;
+  constexpr int kStride = kWidth_px + 24;
+  std::vector<std::uint8_t> left(kStride * kHeight_px, 255), right(kStride * kHeight_px, 0);
+  for (int v = 0; v < kHeight_px; ++v) {
+    std::copy_n(board.left.begin() + v * kWidth_px, kWidth_px, left.begin() + v * kStride);
+    std::copy_n(board.right.begin() + v * kWidth_px, kWidth_px, right.begin() + v * kStride);
+  }
+  const auto padded = Detector(camera()).process(
+      {{left.data(), kWidth_px, kHeight_px, kStride}, {right.data(), kWidth_px, kHeight_px, kStride}});
+  const auto dense = Detector(camera()).process(board.pair());
+  EXPECT_EQ(padded.evolved.flies.fitness, dense.evolved.flies.fitness);
+  EXPECT_EQ(padded.roi_scores, dense.roi_scores);
+}
+
+TEST(Detector, RefusesWhatItCannotUse) {
+  const Board board;
+  auto crooked = camera();
+  crooked.baseline_m = -1.0;
+  EXPECT_THAT([&] { Detector{crooked}; }, ThrowsMessage<InputError>(HasSubstr("baseline_m")));
+
+  DetectorOptions options;
+  options.fitness.half_width_px = 99;
+  EXPECT_THAT([&] { Detector(camera(), options); }, ThrowsMessage<InputError>(HasSubstr("fitness.half_width_px")));
+  options = {};
+  options.field.x_max_m = 2.0;
+  EXPECT_THAT([&] { Detector(camera(), options); }, ThrowsMessage<InputError>(HasSubstr("field.x_min_m")));
+
+  Detector detector(camera());
+  EXPECT_THAT([&] { detector.process({}); }, ThrowsMessage<InputError>(HasSubstr("left image")));
+  auto other_size = camera();
+  other_size.width_px = 640;
+  EXPECT_THAT([&] { Detector(other_size).process(board.pair()); }, ThrowsMessage<InputError>(HasSubstr("640 x 200")));
+}
+
+TEST(PresetOptions, KeepTheDeclaredRanges) {
+  for (const auto preset : {Preset::standard, Preset::paper})
+    EXPECT_NO_THROW(check_detector_options(preset_options(preset), "preset"));
+}
+
+TEST(PresetOptions, PaperIsThePapers) {
+  const auto paper = preset_options(Preset::paper);
+  EXPECT_EQ(paper.fitness.function, FitnessFunction::covariance);
+  EXPECT_EQ(paper.evolve.flies, 3000);
+  EXPECT_EQ(paper.evolve.generations, 3);
+  EXPECT_FALSE(paper.evolve.uniqueness.enforce);
+  EXPECT_FALSE(paper.road.estimate);
+  EXPECT_FALSE(paper.concentrate.assemble.merge);
+}
+
+}  // namespace
+}  // namespace flies
