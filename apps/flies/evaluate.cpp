@@ -183,7 +183,8 @@ void setup_evaluate(CLI::App& app) {
   add_truth_options(*command, *arguments);
   command
       ->add_option("--detections", arguments->detections,
-                   "JSON Lines of any program instead of detecting now; several files count as runs")
+                   "JSON Lines of any program instead of detecting now; given again: another run")
+      ->allow_extra_args(false)
       ->type_name("FILE");
   add_method_options(*command, arguments->method);
   command->add_option("--seeds", arguments->seeds, "runs with seeds from --seed upwards, default 5")
@@ -197,6 +198,7 @@ void setup_evaluate(CLI::App& app) {
       ->add_option("--yardstick", arguments->yardsticks,
                    "measured in the same run: sgbm, sgbm-3way (OpenCV's dense matching), default, paper")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->type_name("LIST")
       ->group("Method");
   add_dotted_options<flies::MatchOptions>(*command, "match", arguments->match);

@@ -57,6 +57,7 @@ void setup(CLI::App& app) {
       "  flies synth street                     render a street with known truth\n"
       "  flies detect left.png right.png --calib calib.txt --overlay found.png\n"
       "  flies calib calib.txt                  what a calibration file says\n"
+      "  flies evaluate street                  measure what is found against that truth\n"
       "  flies config --list                    every option of the method\n"
       "\nExit status: 0 done, also when nothing was found, and for this help; 2 a fault in the\n"
       "input or the command line, told in one line; 1 a fault of the program itself.");

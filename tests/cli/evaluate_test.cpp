@@ -89,6 +89,20 @@ TEST_F(Evaluate, PrintsATableAndTheMissedObjects) {
     EXPECT_THAT(result.out, HasSubstr(word));
 }
 
+TEST_F(Evaluate, TakesSeveralFilesAsRunsAndTheFolderLast) {
+  write_text(folder.path() / "1.jsonl", "{\"obstacles\": [{\"x_m\": 10, \"y_m\": 1}]}\n{\"obstacles\": []}\n");
+  write_text(folder.path() / "2.jsonl", "{\"obstacles\": []}\n{\"obstacles\": []}\n");
+  const RunResult result =
+      run_flies(folder.path(), {"evaluate", "--detections", "1.jsonl", "--json", "-", "--yardstick", "sgbm",
+                                "--detections", "2.jsonl", "--yardstick", "sgbm-3way", "scenes"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json evaluation = json::parse(result.out);
+  EXPECT_EQ(evaluation.at("methods").size(), 3u);
+  EXPECT_EQ(method(evaluation, 0).at("runs"), 2);
+  EXPECT_EQ(method(evaluation, 0).at("all").at("recall").at("median"), 0.25);
+  EXPECT_EQ(method(evaluation, 0).at("all").at("recall").at("spread"), 0.5);
+}
+
 TEST_F(Evaluate, ReadsWhatDetectWrote) {
   ASSERT_EQ(run_flies(folder.path(), {"detect", "scenes/left", "scenes/right", "--calib", "scenes/calib.yaml", "--json",
                                       "d.jsonl", "--evolve.flies", "1000"})

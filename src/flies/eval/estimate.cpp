@@ -37,6 +37,15 @@ std::map<MeasureKey, std::vector<double>> values_of_runs(std::span<const FrameTr
   return values;
 }
 
+/// In how many of the frames, each by itself, a measure has a value.
+std::map<MeasureKey, int> frames_with_value(std::span<const FrameTruth> truths,
+                                            std::span<const std::vector<FrameScore>> runs) {
+  std::map<MeasureKey, int> counts;
+  for (std::size_t frame = 0; frame < truths.size(); ++frame)
+    for (const auto& [key, values] : values_of_runs(truths, runs, std::span(&frame, 1))) ++counts[key];
+  return counts;
+}
+
 double quantile(std::vector<double>& values, double q) {
   const auto at = values.begin() + std::lround(q * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
@@ -83,9 +92,11 @@ std::map<MeasureKey, Estimate> estimate_measures(std::span<const FrameTruth> tru
     for (auto& [key, values] : values_of_runs(truths, runs, drawn))
       resampled[key].push_back(*median(std::move(values)));
   }
+  const auto informative = frames_with_value(truths, runs);
   for (auto& [key, values] : resampled) {
     const auto estimate = estimates.find(key);
-    if (estimate == estimates.end()) continue;
+    // Drawing from a single frame that has a say would feign certainty.
+    if (estimate == estimates.end() || informative.at(key) < 2) continue;
     estimate->second.low = quantile(values, (1.0 - options.confidence) / 2.0);
     estimate->second.high = quantile(values, (1.0 + options.confidence) / 2.0);
   }

@@ -31,7 +31,7 @@ struct EstimateOptions {
 struct Estimate {
   double median = 0.0;              ///< over the runs
   double spread = 0.0;              ///< largest minus smallest of the runs
-  std::optional<double> low, high;  ///< interval over frames; none for fewer than two frames
+  std::optional<double> low, high;  ///< interval over frames; none when fewer than two have a say
 };
 
 /// Which measure: of all, or of one class or band of range.

@@ -77,6 +77,11 @@ TEST(EstimateMeasures, DrawsTheSameTwiceAndOtherwiseWithAnotherSeed) {
 TEST(EstimateMeasures, GivesNoIntervalForOneFrameOrWithoutDraws) {
   const auto one = scores(1, {1});
   EXPECT_FALSE(estimate_measures(one.truths, one.runs).at(kRecall).low.has_value());
+  auto one_that_counts = scores(5, {5});
+  for (std::size_t f = 1; f < 5; ++f) one_that_counts.runs[0][f].objects[0].counted = false;
+  const auto estimates = estimate_measures(one_that_counts.truths, one_that_counts.runs);
+  EXPECT_FALSE(estimates.at(kRecall).low.has_value());
+  EXPECT_TRUE(estimates.at({Group::all, "", "obstacles_per_frame"}).low.has_value());
   const auto many = scores(5, {1});
   EstimateOptions options;
   options.resamples = 0;
