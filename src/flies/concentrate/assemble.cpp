@@ -11,8 +11,8 @@ namespace {
 
 /// Gives every fly to the nearest kept candidate within reach. @returns the candidates that got any
 std::vector<Part> divide_flies(const std::vector<Candidate>& candidates, const Population& flies,
-                               const std::vector<DroppedFly>& dropped, const RoadPlane& road,
-                               const ConcentrateOptions& options) {
+                               const std::vector<DroppedFly>& dropped, const Projection& projection,
+                               const RoadPlane& road, const ConcentrateOptions& options) {
   const double reach_px = options.assemble.radius_bandwidths * options.bandwidth_px;
   std::vector<Candidate> kept;
   for (const auto& candidate : candidates)
@@ -33,19 +33,24 @@ std::vector<Part> divide_flies(const std::vector<Candidate>& candidates, const P
   }
   std::vector<Part> parts;
   for (std::size_t k = 0; k < kept.size(); ++k)
-    if (!members[k].empty()) parts.push_back(make_part(std::move(members[k]), kept[k], flies, road, options.assemble));
+    if (!members[k].empty())
+      parts.push_back(make_part(std::move(members[k]), kept[k], flies, projection, road, options.assemble));
   return parts;
 }
 
 double score(const Part& part, std::size_t population) { return part.fitness / static_cast<double>(population); }
 
+/// Tall enough to be more than a marking or a kerb. A fly some way above a marking still has it in its neighbourhood,
+/// so the least height grows with what a neighbourhood covers at that range.
+bool rises_from_road(const Part& part, const Projection& projection, const AssembleOptions& options) {
+  return part.extent.top_m >= options.min_height_m + options.min_height_px * part.extent.near_m / projection.fy_px();
+}
+
 /// Big enough, and seen by enough flies, to be more than a false match.
-bool is_obstacle(const Part& part, std::size_t population, const Projection& projection,
-                 const AssembleOptions& options) {
-  const double least_top_m = options.min_height_m + options.min_height_px * part.extent.near_m / projection.fy_px();
+bool is_supported(const Part& part, std::size_t population, const AssembleOptions& options) {
   const double covered_m = std::max(part.extent.width_m(), part.extent.top_m - part.extent.bottom_m);
   return score(part, population) >= options.min_score && static_cast<int>(part.members.size()) >= options.min_flies &&
-         part.extent.top_m >= least_top_m && covered_m >= options.min_extent_m;
+         covered_m >= options.min_extent_m;
 }
 
 /// The box from the road to the top, at the near face.
@@ -84,10 +89,10 @@ Obstacle make_obstacle(const Part& part, std::size_t population, const Projectio
 Assembly assemble_obstacles(const std::vector<Candidate>& candidates, const Population& flies,
                             const std::vector<DroppedFly>& dropped, const Projection& projection, const RoadPlane& road,
                             const ConcentrateOptions& options) {
-  auto parts = divide_flies(candidates, flies, dropped, road, options);
-  if (options.assemble.merge) parts = join_parts(std::move(parts), flies, road, options.assemble);
-  std::erase_if(parts,
-                [&](const Part& part) { return !is_obstacle(part, flies.size(), projection, options.assemble); });
+  auto parts = divide_flies(candidates, flies, dropped, projection, road, options);
+  std::erase_if(parts, [&](const Part& part) { return !rises_from_road(part, projection, options.assemble); });
+  if (options.assemble.merge) parts = join_parts(std::move(parts), flies, projection, road, options.assemble);
+  std::erase_if(parts, [&](const Part& part) { return !is_supported(part, flies.size(), options.assemble); });
 
   Assembly result{{}, std::vector<int>(flies.size(), -1)};
   std::vector<std::pair<Obstacle, const Part*>> found;
