@@ -38,7 +38,7 @@ struct EvaluateArguments {
   int seeds = 5;
   std::string model;
   MethodArguments method;
-  Overrides match, estimate;  ///< dotted name and text
+  Overrides match, estimate, dense;  ///< dotted name and text
   std::string json;
   bool missed = false;
 };
@@ -76,7 +76,8 @@ flies::Method yardstick(const std::string& name, const flies::DetectorOptions& o
   constexpr const auto& kMatchers = flies::EnumNames<flies::DenseMatcher>::names;
   constexpr const auto& kPresets = flies::EnumNames<flies::Preset>::names;
   if (const auto matcher = std::find(kMatchers.begin(), kMatchers.end(), name); matcher != kMatchers.end())
-    return flies::dense_method(static_cast<flies::DenseMatcher>(matcher - kMatchers.begin()), options);
+    return flies::dense_method(static_cast<flies::DenseMatcher>(matcher - kMatchers.begin()), options,
+                               with_overrides<flies::DenseOptions>(arguments.dense));
   const auto preset = std::find(kPresets.begin(), kPresets.end(), name);
   if (preset == kPresets.end())
     throw flies::InputError("command line", "--yardstick",
@@ -112,6 +113,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
   context.preset = arguments.method.preset;
   context.options = effective_options(arguments.method);
   context.match = with_overrides<flies::MatchOptions>(arguments.match);
+  context.dense = with_overrides<flies::DenseOptions>(arguments.dense);
   context.estimate = with_overrides<flies::EstimateOptions>(arguments.estimate);
 
   const flies::Dataset dataset = flies::open_dataset(arguments.folder, dataset_request(arguments));
@@ -201,6 +203,7 @@ void setup_evaluate(CLI::App& app) {
       ->allow_extra_args(false)
       ->type_name("LIST")
       ->group("Method");
+  add_dotted_options<flies::DenseOptions>(*command, "dense", arguments->dense);
   add_dotted_options<flies::MatchOptions>(*command, "match", arguments->match);
   add_dotted_options<flies::EstimateOptions>(*command, "estimate", arguments->estimate);
   command->add_flag("--missed", arguments->missed, "list the objects that were missed, pair by pair")->group("Output");

@@ -206,6 +206,7 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
                {"preset", context.preset},
                {"match", json_of_options(context.match)},
                {"estimate", json_of_options(context.estimate)},
+               {"dense", json_of_options(context.dense)},
                {"options", json_of_options(context.options)},
                {"methods", Json::array()}};
   for (const auto& method : evaluation.methods) json["methods"].push_back(json_of(method, evaluation));

@@ -10,6 +10,7 @@ struct EvaluationContext {
   flies::TruthKind kind = flies::TruthKind::scenes;
   flies::MatchOptions match;
   flies::EstimateOptions estimate;
+  flies::DenseOptions dense;
   std::string preset;
   flies::DetectorOptions options;  ///< of the method's first run
 };

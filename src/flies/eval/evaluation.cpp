@@ -83,11 +83,11 @@ Method flies_method(const std::string& name, const DetectorOptions& options, int
   return method;
 }
 
-Method dense_method(DenseMatcher matcher, const DetectorOptions& options) {
+Method dense_method(DenseMatcher matcher, const DetectorOptions& options, const DenseOptions& dense) {
   const std::string name(EnumNames<DenseMatcher>::names[static_cast<std::size_t>(matcher)]);
   return {name, {[=](std::size_t, const TruthFrame& frame) {
-            DenseDetection dense = detect_densely(frame.images.view(), frame.camera, matcher, options);
-            return Findings{std::move(dense.obstacles), dense.road_ms + dense.match_ms + dense.concentrate_ms, {}};
+            DenseDetection found = detect_densely(frame.images.view(), frame.camera, matcher, options, dense);
+            return Findings{std::move(found.obstacles), found.road_ms + found.match_ms + found.concentrate_ms, {}};
           }}};
 }
 

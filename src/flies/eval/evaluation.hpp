@@ -40,7 +40,7 @@ Method flies_method(const std::string& name, const DetectorOptions& options, int
                     bool is_sequence);
 
 /// Dense matching as a yardstick; without random numbers, so one run.
-Method dense_method(DenseMatcher matcher, const DetectorOptions& options);
+Method dense_method(DenseMatcher matcher, const DetectorOptions& options, const DenseOptions& dense = {});
 
 /// What other programs reported: a run a file, each in the order of the dataset's pairs.
 Method reported_method(const std::string& name, std::vector<std::vector<ReportedFrame>> runs);

@@ -44,10 +44,10 @@ cv::Mat match(const RectifiedPair& pair, const Projection& projection, DenseMatc
 }
 
 Population points_in_field(const cv::Mat& disparity, const Projection& projection, const RoadPlane& road,
-                           const FieldOptions& field) {
+                           const FieldOptions& field, int step_px) {
   Population points;
-  for (int v = kDenseStep_px / 2; v < disparity.rows; v += kDenseStep_px) {
-    for (int u = kDenseStep_px / 2; u < disparity.cols; u += kDenseStep_px) {
+  for (int v = step_px / 2; v < disparity.rows; v += step_px) {
+    for (int u = step_px / 2; u < disparity.cols; u += step_px) {
       const double disparity_px = disparity.at<std::int16_t>(v, u) / kFixedPoint;
       if (!(disparity_px > projection.disparity_offset_px())) continue;  // not matched, or at infinity
       const Point3 point = projection.triangulate({static_cast<double>(u), static_cast<double>(v), disparity_px});
@@ -60,10 +60,10 @@ Population points_in_field(const cv::Mat& disparity, const Projection& projectio
 }  // namespace
 
 DenseDetection detect_densely(const RectifiedPair& pair, const StereoCamera& camera, DenseMatcher matcher,
-                              const DetectorOptions& options) {
+                              const DetectorOptions& options, const DenseOptions& dense) {
   check_pair(pair);
   check_camera_fits(camera, pair.left.width_px, pair.left.height_px, "camera");
-  DenseDetection dense;
+  DenseDetection found;
   auto start = std::chrono::steady_clock::now();
   const auto lap_ms = [&] {
     const auto end = std::chrono::steady_clock::now();
@@ -71,16 +71,16 @@ DenseDetection detect_densely(const RectifiedPair& pair, const StereoCamera& cam
   };
   const Projection projection(camera);
   const RoadPlane road = estimate_road(pair, projection, options.road).plane;
-  dense.road_ms = lap_ms();
+  found.road_ms = lap_ms();
   const cv::Mat disparity = match(pair, projection, matcher, options.field);
-  dense.match_ms = lap_ms();
-  const Population points = points_in_field(disparity, projection, road, options.field);
-  dense.points = points.size();
+  found.match_ms = lap_ms();
+  const Population points = points_in_field(disparity, projection, road, options.field, dense.step_px);
+  found.points = points.size();
   ConcentrateOptions concentrating = options.concentrate;
-  concentrating.samples = std::max(concentrating.samples, kDenseSamples);
-  dense.obstacles = concentrate(points, projection, road, options.field, concentrating).obstacles;
-  dense.concentrate_ms = lap_ms();
-  return dense;
+  concentrating.samples = std::max(concentrating.samples, dense.samples);
+  found.obstacles = concentrate(points, projection, road, options.field, concentrating).obstacles;
+  found.concentrate_ms = lap_ms();
+  return found;
 }
 
 }  // namespace flies

@@ -24,6 +24,19 @@ struct EnumNames<DenseMatcher> {
   static constexpr std::array<std::string_view, 2> names = {"sgbm", "sgbm-3way"};
 };
 
+/// How matched pixels become points to condense.
+struct DenseOptions {
+  int step_px = 4;  ///< pictures of 1242 x 375 px then give some thousand points in the field, as there are flies
+  int samples = 2;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("step_px", self.step_px, Range{1, 64}, "every so many matched pixels of every such row become a point");
+    field("samples", self.samples, Range{1, 10},
+          "least sample points per view-angle: points of equal weight hide far things behind near ones");
+  }
+};
+
 /// What dense matching found in a pair.
 struct DenseDetection {
   std::vector<Obstacle> obstacles;  ///< nearest first
@@ -35,20 +48,13 @@ struct DenseDetection {
 
 /// Matches the pair densely with the settings of a careful user: 5 x 5 blocks, penalties 8 and 32 per pixel of a block,
 /// left-right check, 10 % uniqueness, speckles removed, all disparities of the field of detection. Every
-/// `kDenseStep_px`-th matched pixel of every such row becomes a fly of fitness 1, and those in the field are condensed
+/// `step_px`-th matched pixel of every such row becomes a fly of fitness 1, and those in the field are condensed
 /// as the method's own flies are: same road, same field, same concentrating, so that only the matching differs. One
-/// exception: every view-angle gives at least `kDenseSamples` sample points, see there.
+/// exception: every view-angle gives at least `samples` sample points.
 /// @param options the method's; its flies and its fitness are not used
+/// @param dense   see there
 /// @throws InputError when the images are empty, differ in size or do not fit the camera
 DenseDetection detect_densely(const RectifiedPair& pair, const StereoCamera& camera, DenseMatcher matcher,
-                              const DetectorOptions& options);
-
-/// A quarter of the pixels each way: the 1242 x 375 pictures of KITTI give some 5000 points in the field, as many as
-/// there are flies.
-inline constexpr int kDenseStep_px = 4;
-
-/// Points of equal weight tell the strong from the weak by their number alone, and a near thing outnumbers a far one
-/// in its view-angle; with a single sample point the yardstick would miss one object in six for no fault of its own.
-inline constexpr int kDenseSamples = 2;
+                              const DetectorOptions& options, const DenseOptions& dense = {});
 
 }  // namespace flies
