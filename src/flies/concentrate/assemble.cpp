@@ -11,8 +11,8 @@ namespace {
 
 /// Gives every fly to the nearest kept candidate within reach. @returns the candidates that got any
 std::vector<Part> divide_flies(const std::vector<Candidate>& candidates, const Population& flies,
-                               const std::vector<DroppedFly>& dropped, const Projection& projection,
-                               const RoadPlane& road, const ConcentrateOptions& options) {
+                               const std::vector<DroppedFly>& dropped, const RoadPlane& road,
+                               const ConcentrateOptions& options) {
   const double reach_px = options.assemble.radius_bandwidths * options.bandwidth_px;
   std::vector<Candidate> kept;
   for (const auto& candidate : candidates)
@@ -33,8 +33,7 @@ std::vector<Part> divide_flies(const std::vector<Candidate>& candidates, const P
   }
   std::vector<Part> parts;
   for (std::size_t k = 0; k < kept.size(); ++k)
-    if (!members[k].empty())
-      parts.push_back(make_part(std::move(members[k]), kept[k], flies, projection, road, options.assemble));
+    if (!members[k].empty()) parts.push_back(make_part(std::move(members[k]), kept[k], flies, road, options.assemble));
   return parts;
 }
 
@@ -89,9 +88,9 @@ Obstacle make_obstacle(const Part& part, std::size_t population, const Projectio
 Assembly assemble_obstacles(const std::vector<Candidate>& candidates, const Population& flies,
                             const std::vector<DroppedFly>& dropped, const Projection& projection, const RoadPlane& road,
                             const ConcentrateOptions& options) {
-  auto parts = divide_flies(candidates, flies, dropped, projection, road, options);
+  auto parts = divide_flies(candidates, flies, dropped, road, options);
   std::erase_if(parts, [&](const Part& part) { return !rises_from_road(part, projection, options.assemble); });
-  if (options.assemble.merge) parts = join_parts(std::move(parts), flies, projection, road, options.assemble);
+  if (options.assemble.merge) parts = join_parts(std::move(parts), flies, road, options.assemble);
   std::erase_if(parts, [&](const Part& part) { return !is_supported(part, flies.size(), options.assemble); });
 
   Assembly result{{}, std::vector<int>(flies.size(), -1)};

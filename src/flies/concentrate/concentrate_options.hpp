@@ -24,8 +24,7 @@ struct AssembleOptions {
   double lateral_gap_m = 1.2;
   double see_through_share = 0.3;
   double max_width_m = 3.0;
-  double near_quantile = 0.1;
-  double scatter_px = 0.15;
+  double near_quantile = 0.15;
   double radius_bandwidths = 3.5;
   double min_height_m = 0.3;
   double min_height_px = 9.0;
@@ -45,8 +44,6 @@ struct AssembleOptions {
     field("max_width_m", self.max_width_m, Range{0.1, 100}, "candidates are not joined to anything wider");
     field("near_quantile", self.near_quantile, Range{0, 1},
           "quantile of the flies' range that counts as the near face: 0 the nearest fly");
-    field("scatter_px", self.scatter_px, Range{0, 4},
-          "flies scatter about a flat face; this much of it, in disparity, is not taken for depth");
     field("radius_bandwidths", self.radius_bandwidths, Range{0.5, 20},
           "a fly belongs to a candidate within this many bandwidths");
     field("min_height_m", self.min_height_m, Range{0, 5}, "obstacles whose top is lower are dropped");

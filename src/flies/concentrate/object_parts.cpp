@@ -31,23 +31,13 @@ void sort_by_value(std::vector<WeightedValue>& samples) {
   std::sort(samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
 }
 
-/// Range of the near face: a low quantile of the flies' ranges. On a flat face nine tenths of the evolved flies lie
-/// within 0.35 px of disparity of it, so the near face of a distant object would be its noise; half of that is added
-/// back, up to the median. Half, because an obstacle reported a little too near does less harm.
-double near_face_m(const std::vector<WeightedValue>& range_m, const Projection& projection,
-                   const AssembleOptions& options) {
-  const double nearest_m = weighted_quantile(range_m, options.near_quantile);
-  const double parallax_px_m = projection.disparity_at_depth(1.0) - projection.disparity_offset_px();
-  const double scatter_m = nearest_m * nearest_m * options.scatter_px / parallax_px_m;
-  return std::max(nearest_m, std::min(nearest_m + scatter_m, weighted_quantile(range_m, 0.5)));
-}
-
-Extent measure(const std::vector<std::size_t>& members, const Population& flies, const Projection& projection,
-               const RoadPlane& road, const AssembleOptions& options) {
+Extent measure(const std::vector<std::size_t>& members, const Population& flies, const RoadPlane& road,
+               double near_quantile) {
   std::vector<WeightedValue> range_m, azimuth_rad, height_m;
   for (const auto i : members) {
     const double x = flies.x_m[i], y = flies.y_m[i], weight = flies.fitness[i];
-    // The fittest flies sit closest to the surface; for the range they count twice over.
+    // The fittest flies sit closest to the surface. Weighed by fitness alone, the near face of a distant object would
+    // be the noise of its poorer flies.
     range_m.push_back({std::hypot(x, y), weight * weight});
     azimuth_rad.push_back({std::atan2(y, x), weight});
     height_m.push_back({flies.z_m[i] - road.z_m(x, y), weight});
@@ -55,7 +45,7 @@ Extent measure(const std::vector<std::size_t>& members, const Population& flies,
   sort_by_value(range_m);
   sort_by_value(azimuth_rad);
   sort_by_value(height_m);
-  return {near_face_m(range_m, projection, options), weighted_quantile(range_m, 1.0 - options.near_quantile),
+  return {weighted_quantile(range_m, near_quantile), weighted_quantile(range_m, 1.0 - near_quantile),
           weighted_quantile(azimuth_rad, kLowEdge),  weighted_quantile(azimuth_rad, kHighEdge),
           weighted_quantile(height_m, kLowEdge),     weighted_quantile(height_m, kHighEdge)};
 }
@@ -112,27 +102,27 @@ std::optional<double> separation(const Part& a, const Part& b, const Backdrop& b
   return std::hypot(depth, lateral);
 }
 
-Part join(const Part& a, const Part& b, const Population& flies, const Projection& projection, const RoadPlane& road,
+Part join(const Part& a, const Part& b, const Population& flies, const RoadPlane& road,
           const AssembleOptions& options) {
   auto members = a.members;
   members.insert(members.end(), b.members.begin(), b.members.end());
   const auto& densest = a.candidate.density >= b.candidate.density ? a.candidate : b.candidate;
-  return make_part(std::move(members), densest, flies, projection, road, options);
+  return make_part(std::move(members), densest, flies, road, options);
 }
 
 }  // namespace
 
 Part make_part(std::vector<std::size_t> members, const Candidate& candidate, const Population& flies,
-               const Projection& projection, const RoadPlane& road, const AssembleOptions& options) {
+               const RoadPlane& road, const AssembleOptions& options) {
   assert(!members.empty());
   Part part{std::move(members), candidate, {}, 0.0};
-  part.extent = measure(part.members, flies, projection, road, options);
+  part.extent = measure(part.members, flies, road, options.near_quantile);
   for (const auto i : part.members) part.fitness += flies.fitness[i];
   return part;
 }
 
-std::vector<Part> join_parts(std::vector<Part> parts, const Population& flies, const Projection& projection,
-                             const RoadPlane& road, const AssembleOptions& options) {
+std::vector<Part> join_parts(std::vector<Part> parts, const Population& flies, const RoadPlane& road,
+                             const AssembleOptions& options) {
   const Backdrop backdrop(flies);
   while (true) {
     std::size_t best_a = 0, best_b = 0;
@@ -145,7 +135,7 @@ std::vector<Part> join_parts(std::vector<Part> parts, const Population& flies, c
           best_b = b;
         }
     if (!best) return parts;
-    parts[best_a] = join(parts[best_a], parts[best_b], flies, projection, road, options);
+    parts[best_a] = join(parts[best_a], parts[best_b], flies, road, options);
     parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(best_b));
   }
 }

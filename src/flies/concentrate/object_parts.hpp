@@ -28,11 +28,11 @@ struct Part {
 
 /// Measures a part from its flies; `members` must not be empty.
 Part make_part(std::vector<std::size_t> members, const Candidate& candidate, const Population& flies,
-               const Projection& projection, const RoadPlane& road, const AssembleOptions& options);
+               const RoadPlane& road, const AssembleOptions& options);
 
 /// Joins parts of one object, closest first: the gaps between them in range and sideways are small, the whole is no
 /// larger than an object may be, and nothing farther away is seen through the gap.
-std::vector<Part> join_parts(std::vector<Part> parts, const Population& flies, const Projection& projection,
-                             const RoadPlane& road, const AssembleOptions& options);
+std::vector<Part> join_parts(std::vector<Part> parts, const Population& flies, const RoadPlane& road,
+                             const AssembleOptions& options);
 
 }  // namespace flies
