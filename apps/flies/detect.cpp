@@ -178,7 +178,7 @@ void add_output_options(CLI::App& command, DetectOutputs& outputs) {
   add("--overlay", outputs.overlay, "boxes and ranges on the left image", "PNG");
   add("--top-view", outputs.top_view, "bird's-eye view with a grid in metres", "PNG");
   add("--flies", outputs.flies, "random flies coloured by fitness, Eq. (1) and Eq. (2)", "PNG");
-  add("--histogram", outputs.histogram, "view-angle of the surest pedestrian, else obstacle: fitness over x", "PNG");
+  add("--histogram", outputs.histogram, "view-angle of the nearest pedestrian, else obstacle: fitness over x", "PNG");
   add("--concentrating", outputs.concentrating, "sample points, objects kept, boxes to classify", "PNG");
 }
 

@@ -25,15 +25,18 @@ constexpr std::array<Equation, 2> kEquations = {{{flies::FitnessFunction::louche
 /// A view-angle of one degree holds about one in a hundred flies; fewer would leave most of its intervals empty.
 constexpr int kHistogramFlies = 60'000;
 
-/// The first, random flies of this frame, scored by `function`. Their places depend on the seed alone, so that two
+/// Random flies of this frame, as they fall, scored by `function`. Their places depend on the seed alone, so that two
 /// functions score the same flies.
-flies::Population first_flies(const ProcessedFrame& frame, flies::FitnessFunction function, int count) {
+flies::Population random_flies(const ProcessedFrame& frame, flies::FitnessFunction function, int count) {
   flies::FitnessOptions fitness = frame.options.fitness;
   fitness.function = function;
   flies::EvolveOptions evolve = frame.options.evolve;
   evolve.flies = count;
   evolve.generations = 0;
   evolve.steering_share = 0.0;
+  evolve.informative_gray = 0.0;
+  evolve.uniqueness.enforce = false;
+  evolve.refine.share = 0.0;
   return flies::evolve(frame.pair, flies::Projection(frame.camera), frame.detection->road.plane, frame.options.field,
                        fitness, evolve, {frame.options.seed, frame.index})
       .flies;
@@ -55,14 +58,10 @@ struct Aim {
 };
 
 /// What the histogram looks at; nothing when nothing was found.
-std::optional<Aim> best_found(const flies::Detection& detection) {
-  const auto by_score = [](const auto& a, const auto& b) { return a.score < b.score; };
-  const auto& people = detection.pedestrians;
-  if (const auto best = std::max_element(people.begin(), people.end(), by_score); best != people.end())
-    return Aim{best->x_m, best->y_m, "pedestrian"};
-  const auto& obstacles = detection.obstacles;
-  if (const auto best = std::max_element(obstacles.begin(), obstacles.end(), by_score); best != obstacles.end())
-    return Aim{best->x_m, best->y_m, "obstacle"};
+std::optional<Aim> nearest_found(const flies::Detection& detection) {
+  if (!detection.pedestrians.empty())
+    return Aim{detection.pedestrians[0].x_m, detection.pedestrians[0].y_m, "pedestrian"};
+  if (!detection.obstacles.empty()) return Aim{detection.obstacles[0].x_m, detection.obstacles[0].y_m, "obstacle"};
   return std::nullopt;
 }
 
@@ -90,16 +89,16 @@ cv::Mat concentrating_picture(const ProcessedFrame& frame) {
 cv::Mat fitness_picture(const ProcessedFrame& frame) {
   std::vector<flies::TitledFlies> columns;
   for (const auto& [function, title] : kEquations)
-    columns.push_back({title, first_flies(frame, function, frame.options.evolve.flies)});
+    columns.push_back({title, random_flies(frame, function, frame.options.evolve.flies)});
   return flies::draw_fitness_comparison(frame.left(), frame.camera, columns, top_view(frame, 640));
 }
 
 cv::Mat histogram_picture(const ProcessedFrame& frame) {
-  const auto aim = best_found(*frame.detection);
+  const auto aim = nearest_found(*frame.detection);
   const double azimuth_rad = aim ? std::atan2(aim->y_m, aim->x_m) : 0.0;
   std::vector<flies::HistogramPlot> plots;
   for (const auto& [function, title] : kEquations) {
-    const auto sampling = flies::sample_histograms(first_flies(frame, function, kHistogramFlies), frame.options.field,
+    const auto sampling = flies::sample_histograms(random_flies(frame, function, kHistogramFlies), frame.options.field,
                                                    frame.options.concentrate);
     flies::HistogramPlot plot;
     plot.title = fmt::format("{}, {} flies", title, kHistogramFlies);
