@@ -22,6 +22,9 @@ DetectorOptions paper_options() {
   o.evolve.mutation = {.image_px = 4.0, .disparity_px = 1.6, .cooling = 1.0};
   o.evolve.uniqueness.enforce = false;
   o.evolve.refine.share = 0.0;
+  o.propose.heights = 3;
+  o.propose.lateral_step_m = 0.4;
+  o.propose.vertical_shifts = 0;
   o.concentrate.samples = 1;
   o.concentrate.assemble.position = ObstaclePosition::candidate;
   o.concentrate.assemble.merge = false;
