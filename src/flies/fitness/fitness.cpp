@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "flies/fitness/kernels/patch_kernel.hpp"
+#include "flies/fitness/kernels/row_sums.hpp"
 
 namespace flies {
 namespace {
@@ -117,6 +118,14 @@ std::vector<float> score_flies(const RectifiedPair& pair, const Projection& proj
   std::vector<float> fitness(flies.size());
   score_flies(pair, projection, options, flies, 0, fitness);
   return fitness;
+}
+
+std::string_view kernel_target_name() { return kernels::chosen_kernel().target; }
+
+std::vector<std::string_view> kernel_target_names() {
+  std::vector<std::string_view> names;
+  for (const auto& kernel : kernels::supported_kernels()) names.push_back(kernel.target);
+  return names;
 }
 
 }  // namespace flies

@@ -81,4 +81,13 @@ float score_point(const RectifiedPair& pair, const FitnessOptions& options, cons
 /// and 0 where `score_point` would be 0 for want of pixels. How alike two places look, whatever their contrast.
 double correlate_point(const RectifiedPair& pair, const FitnessOptions& options, const StereoPoint& point);
 
+/// Instruction set that scores the flies: the fastest of `kernel_target_names()`, or the one that the environment
+/// variable FLIES_TARGET names when the process first asks for a fitness; a name not among them changes nothing.
+/// Results do not depend on it.
+std::string_view kernel_target_name();
+
+/// Instruction sets that this CPU can score flies with, fastest first: "scalar", which is always there, and Highway's
+/// names of vector instruction sets, such as SSE4, AVX2, AVX3 (meaning AVX-512) and NEON.
+std::vector<std::string_view> kernel_target_names();
+
 }  // namespace flies

@@ -1,5 +1,6 @@
 #include "flies/fitness/fitness.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
@@ -264,6 +265,11 @@ TEST(ScoreFlies, DoesNotDependOnTheNumberOfThreads) {
     return tbb::task_arena(threads).execute([&] { return score_flies(pair.view(), projection, {}, flies); });
   };
   EXPECT_EQ(with_threads(1), with_threads(4));
+}
+
+TEST(KernelTarget, IsOneOfThoseOnOffer) {
+  EXPECT_THAT(kernel_target_names(), testing::Contains(kernel_target_name()));
+  EXPECT_EQ(kernel_target_names().back(), "scalar");
 }
 
 TEST(ScoreFlies, TakesNoFlies) {
