@@ -2,6 +2,9 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/version.h>
 
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <opencv2/core/version.hpp>
 #include <string>
@@ -11,6 +14,7 @@
 
 #include "commands.hpp"
 #include "flies/core/options.hpp"
+#include "flies/fitness/fitness.hpp"
 #include "flies/pipeline/detector.hpp"
 #include "standard_output.hpp"
 
@@ -31,6 +35,17 @@ std::string cpu_features() {
   return found.empty() ? "not known" : fmt::format("{}", fmt::join(found, " "));
 }
 
+/// The instruction set in use, and a word to those who asked for another one.
+std::string fitness_kernel() {
+  const std::string used(flies::kernel_target_name());
+  const auto names = flies::kernel_target_names();
+  const char* wanted = std::getenv("FLIES_TARGET");
+  const auto same_letters = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  if (wanted == nullptr || *wanted == '\0' || std::ranges::equal(std::string_view(wanted), used, same_letters))
+    return fmt::format("{} (of {})", used, fmt::join(names, " "));
+  return fmt::format("{} (FLIES_TARGET is {}, but this CPU has {})", used, wanted, fmt::join(names, " "));
+}
+
 void run_info() {
   std::string text;
   const auto line = [&](std::string_view name, const std::string& value) {
@@ -47,7 +62,7 @@ void run_info() {
        fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH));
   line("cpu features", cpu_features());
   line("cpu threads", fmt::format("{}", std::thread::hardware_concurrency()));
-  line("fitness kernel", "portable");
+  line("fitness kernel", fitness_kernel());
   line("presets", fmt::format("{}", fmt::join(flies::EnumNames<flies::Preset>::names, " ")));
   line("models", "opencv-48x96 (default) opencv-64x128");
   print(text);
@@ -60,6 +75,8 @@ void setup_info(CLI::App& app) {
   command->footer(
       "\nExample:\n"
       "  flies info\n"
+      "\nThe environment variable FLIES_TARGET selects another fitness kernel for any command, e.g. FLIES_TARGET=SSE4\n"
+      "or scalar. Results stay the same.\n"
       "\nExit status: 0.");
   command->callback(run_info);
 }
