@@ -100,6 +100,7 @@ void run_detect(const DetectArguments& arguments) {
   const bool is_single = pairs.size() == 1;
   check_outputs(arguments.outputs, pairs, other_inputs(arguments));
 
+  // The detector keeps to its own arena; this holds OpenCV, which runs on oneTBB too, to the same number.
   std::optional<tbb::global_control> thread_limit;
   if (options.threads > 0)
     thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
@@ -112,7 +113,9 @@ void run_detect(const DetectArguments& arguments) {
   if (!arguments.outputs.json.empty()) json.emplace(arguments.outputs.json);
   if (!arguments.outputs.csv.empty()) csv.emplace(arguments.outputs.csv).write(flies::csv_header());
 
-  const ProgressBar progress(pairs.size());
+  // The table goes to the terminal that the bar would be drawn on.
+  const bool prints = !arguments.outputs.any() || arguments.outputs.json == "-" || arguments.outputs.csv == "-";
+  const ProgressBar progress(prints ? 0 : pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto& [left_path, right_path] = pairs[i];
     if (i > 0) images = flies::load_pair(left_path, right_path);
@@ -123,17 +126,17 @@ void run_detect(const DetectArguments& arguments) {
     if (i == 0) {
       calibration.camera.width_px = pair.left.width_px;
       calibration.camera.height_px = pair.left.height_px;
-      flies::check_true_pair(pair, calibration.camera, left_path, right_path);
       detector.emplace(calibration.camera, options, model);
     }
 
+    flies::check_true_pair(pair, calibration.camera, left_path, right_path);
     const flies::Detection detection = detector->process(pair);
 
     const flies::FrameRecord record{.frame = static_cast<int>(i),
                                     .left = left_path,
                                     .right = right_path,
                                     .seed = options.seed,
-                                    .preset = arguments.method.preset,
+                                    .preset = preset_name(options),
                                     .obstacles = detection.obstacles,
                                     .pedestrians = detection.pedestrians,
                                     .stage_ms = detection.stage_ms};

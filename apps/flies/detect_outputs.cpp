@@ -69,7 +69,10 @@ void check_outputs(const DetectOutputs& outputs, const std::vector<flies::PairPa
                                 std::pair(outputs.concentrating, "--concentrating")};
   for (const auto& [path, option] : per_frame) {
     if (path.empty()) continue;
-    if (path == "-") throw flies::InputError("command line", option, "a picture cannot go to standard output");
+    if (path == "-") throw flies::InputError("command line", option, "cannot go to standard output");
+    const std::string wanted = std::string_view(option) == "--ply" ? ".ply" : ".png";
+    if (std::filesystem::path(path).extension() != wanted && !path.starts_with("/dev/"))
+      throw flies::InputError(path, option, fmt::format("expected a name that ends in {}", wanted));
     for (const auto& pair : pairs) claim(path_of_frame(path, file_stem(pair.left), pairs.size() == 1), option);
   }
 }

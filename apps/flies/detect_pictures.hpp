@@ -23,6 +23,6 @@ cv::Mat concentrating_picture(const ProcessedFrame& frame);
 /// The same flies, spread at random and not evolved, scored by Eq. (1) and by Eq. (2) (paper, figure 2).
 cv::Mat fitness_picture(const ProcessedFrame& frame);
 
-/// Histograms of many such flies in the view-angle of the surest pedestrian, else of the strongest obstacle, else
+/// Histograms of many such flies in the view-angle of the nearest pedestrian, else of the nearest obstacle, else
 /// straight ahead (paper, figure 3).
 cv::Mat histogram_picture(const ProcessedFrame& frame);

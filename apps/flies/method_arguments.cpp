@@ -1,5 +1,8 @@
 #include "method_arguments.hpp"
 
+#include <algorithm>
+#include <string>
+
 #include "flies/core/options.hpp"
 #include "flies/io/options_yaml.hpp"
 
@@ -23,10 +26,19 @@ void add_method_options(CLI::App& app, MethodArguments& arguments) {
   }
 }
 
+std::string preset_name(const flies::DetectorOptions& options) {
+  for (const auto name : flies::EnumNames<flies::Preset>::names) {
+    auto preset = flies::preset_options(flies::preset_named(name, "preset"));
+    preset.seed = options.seed;
+    preset.threads = options.threads;
+    const auto same = [](const auto& a, const auto& b) { return a.value == b.value; };
+    if (std::ranges::equal(flies::list_options(preset), flies::list_options(options), same)) return std::string(name);
+  }
+  return "custom";
+}
+
 flies::DetectorOptions effective_options(const MethodArguments& arguments) {
-  const auto preset = static_cast<flies::Preset>(
-      flies::detail::parse_name(arguments.preset, flies::EnumNames<flies::Preset>::names, "--preset", "command line"));
-  flies::DetectorOptions options = flies::preset_options(preset);
+  flies::DetectorOptions options = flies::preset_options(flies::preset_named(arguments.preset, "command line"));
   if (!arguments.options_file.empty())
     for (const auto& setting : flies::load_options_yaml(arguments.options_file))
       flies::set_option(options, setting.path, setting.text, setting.source);

@@ -21,3 +21,6 @@ void add_method_options(CLI::App& app, MethodArguments& arguments);
 /// Preset, then the YAML file, then the command line; the later one wins.
 /// @throws flies::InputError on an unknown preset, an unreadable file, an unknown option or a value out of range
 flies::DetectorOptions effective_options(const MethodArguments& arguments);
+
+/// The preset whose options these are, whatever seed and threads; "custom" when they are no preset's.
+std::string preset_name(const flies::DetectorOptions& options);

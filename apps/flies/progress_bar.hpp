@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-/// A bar on standard error that counts pairs; silent when that is no terminal or there is only one pair.
+/// A bar on standard error that counts pairs; silent when that is no terminal or there are less than two pairs.
 class ProgressBar {
  public:
   explicit ProgressBar(std::size_t total);

@@ -147,6 +147,28 @@ std::vector<BadInput> bad_inputs() {
          return detect();
        },
        {"left.png", "right.png"}},
+      {"UnrelatedPicturesFurtherOn",
+       [](const fs::path& f) {
+         write_folders(f, 2, 2);
+         write_image(f / "r" / "1.png", unrelated_picture());
+         return detect({}, "l", "r");
+       },
+       {"l/1.png", "r/1.png"}},
+      {"PictureOfAnotherFormat",
+       [](const fs::path&) {
+         return detect({"--top-view", "top.jpg"});
+       },
+       {"top.jpg", "--top-view", ".png"}},
+      {"HeightsInTheWrongOrder",
+       [](const fs::path&) {
+         return Words{"config", "--propose.min_height_m", "2.5"};
+       },
+       {"propose.min_height_m"}},
+      {"EmptyStretchOfRoad",
+       [](const fs::path&) {
+         return Words{"config", "--road.x_min_m", "30"};
+       },
+       {"road.x_min_m"}},
       {"FloatImage",
        [](const fs::path& f) {
          cv::Mat depths;

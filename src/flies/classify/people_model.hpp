@@ -11,7 +11,7 @@ namespace flies {
 /// A linear support vector machine on histograms of oriented gradients (Dalal and Triggs 2005): plain values.
 /// The score of a window is `bias + sum_k weights[k] * feature[k]`, features in the order of `cv::HOGDescriptor`.
 struct PeopleModel {
-  std::string name;          ///< shown by `flies info`
+  std::string name;          ///< names the model in errors
   int window_width_px = 48;  ///< windows are resized to this before their features are computed; aspect 1:2
   int window_height_px = 96;
   int block_px = 16;           ///< square blocks of cells, normalised together

@@ -48,7 +48,8 @@ struct AssembleOptions {
           "a fly belongs to a candidate within this many bandwidths");
     field("min_height_m", self.min_height_m, Range{0, 5}, "obstacles whose top is lower are dropped");
     field("min_height_px", self.min_height_px, Range{0, 100},
-          "added to that: a fly this far above a marking still has it in its neighbourhood (fitness.half_height_px)");
+          "added to that: a fly this far above a marking still has it in its neighbourhood; keep it at "
+          "fitness.half_height_px");
     field("min_extent_m", self.min_extent_m, Range{0, 5},
           "obstacles whose flies cover less than this, sideways and upwards, are dropped: one false match is a point");
     field("min_score", self.min_score, Range{0, 1e12},

@@ -92,8 +92,12 @@ std::string range_text(Range range) {
 std::string join_names(std::span<const std::string_view> names) { return fmt::format("{}", fmt::join(names, "|")); }
 
 void throw_unknown_option(std::string_view path, std::span<const std::string> known, const std::string& source) {
+  const std::string group = std::string(path) + ".";
+  for (const auto& name : known)
+    if (name.starts_with(group))
+      throw InputError(source, std::string(path), fmt::format("a group of options, not one; '{}' is in it", name));
   throw InputError(source, std::string(path),
-                   fmt::format("unknown option; did you mean '{}'?", nearest_name(path, known)));
+                   fmt::format("unknown option; the nearest known one is '{}'", nearest_name(path, known)));
 }
 
 }  // namespace detail

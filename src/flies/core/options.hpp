@@ -19,12 +19,12 @@
 ///
 ///       template <class Self, class Field>
 ///       static void fields(Self& self, Field&& field) {
-///         field("estimate", self.estimate, "fit the road plane to the flies");
+///         field("estimate", self.estimate, "fit the road plane to the pair");
 ///         field("max_slope", self.max_slope, Range{0.0, 0.3}, "steepest road looked for, rise per metre");
 ///       }
 ///     };
 ///
-/// The command line, YAML files, the JSON echo and bindings all go through `list_options` and `set_option`. Fields
+/// The command line, YAML files and printed lists all go through `list_options` and `set_option`. Fields
 /// are bool, int, std::uint64_t, double, an enumeration with names (see `EnumNames`) or a nested struct of options.
 namespace flies {
 
@@ -35,7 +35,7 @@ struct Range {
 };
 
 /// Specialise for every enumeration used as an option: the names in the order of the enumerators, which count from 0.
-///     template <> struct EnumNames<Projection> { static constexpr std::array<std::string_view, 2> names = {...}; };
+///     template <> struct EnumNames<Colour> { static constexpr std::array<std::string_view, 2> names = {...}; };
 template <class Enum>
 struct EnumNames;
 
@@ -53,7 +53,7 @@ constexpr std::string_view enum_name(Enum value) {
 struct OptionListing {
   std::string path;     ///< "evolve.flies"
   std::string value;    ///< "5000"
-  std::string allowed;  ///< "100..1000000", "on|off" or the names of an enumeration
+  std::string allowed;  ///< "100..1000000", "true|false" or the names of an enumeration
   std::string meaning;
   bool is_enum_or_bool = false;
 };

@@ -101,8 +101,8 @@ INSTANTIATE_TEST_SUITE_P(BadInput, SetOptionBad,
                                          BadOption{"inner.share", "nan", "0..1"},
                                          BadOption{"inner.share", "x", "a number"},
                                          BadOption{"inner.colour", "blue", "red|green"},
-                                         BadOption{"inner.shar", "0.1", "did you mean 'inner.share'?"},
-                                         BadOption{"inner", "1", "unknown option"}));
+                                         BadOption{"inner.shar", "0.1", "the nearest known one is 'inner.share'"},
+                                         BadOption{"inner", "1", "a group of options"}));
 
 TEST(CheckOptions, FindsAValueSetOutOfRangeInCode) {
   Outer options;

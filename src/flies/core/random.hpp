@@ -27,7 +27,7 @@ constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> count
 /// The random numbers of one fly in one generation for one purpose: a short private stream.
 class FlyRandom {
  public:
-  /// `purpose` keeps streams of different operators apart (see evolve); `frame` those of different pairs.
+  /// `purpose` keeps the streams of different operators and of different pairs apart (see evolve).
   FlyRandom(std::uint64_t seed, std::uint32_t purpose, std::uint32_t generation, std::uint32_t fly)
       : seed_(seed), counter_{fly, generation, purpose, 0} {}
 

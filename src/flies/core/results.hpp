@@ -22,7 +22,7 @@ struct Obstacle {
   double width_m = 0.0;     ///< seen across the line of sight
   double height_m = 0.0;    ///< of its top above the road
   double ground_z_m = 0.0;  ///< height of the road under it in the vehicle frame; 0 on the nominal ground
-  double score = 0.0;       ///< fitness density, > 0; comparable within one set of options
+  double score = 0.0;       ///< summed fitness of its flies over the population; comparable for equal options
   ImageBox box;             ///< in the left image
 };
 
@@ -31,7 +31,7 @@ struct Pedestrian {
   double x_m = 0.0;
   double y_m = 0.0;
   double range_m = 0.0;
-  double height_m = 0.0;  ///< head above feet
+  double height_m = 0.0;  ///< head above feet; one of the heights that were tried, so in steps
   double score = 0.0;     ///< of the classifier, larger is surer; its scale depends on the model
   ImageBox box;           ///< tight around the person, head to feet
 };

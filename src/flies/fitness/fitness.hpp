@@ -16,7 +16,7 @@ namespace flies {
 enum class FitnessFunction {
   louchet,      ///< Eq. (1): gradient norm over summed squared differences
   covariance,   ///< Eq. (2): sum over rows of covariance times agreement of the row means
-  correlation,  ///< bounded: a power of the row-centred correlation coefficient times the root of the covariance
+  correlation,  ///< ours: powers of the row-centred correlation coefficient and of the mean covariance
 };
 template <>
 struct EnumNames<FitnessFunction> {

@@ -37,7 +37,11 @@ void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
   calibration.has_height |= request.camera_height_m.has_value();
   calibration.has_pitch |= request.camera_pitch_rad.has_value();
   if (!calibration.has_height)
-    calibration.notes.push_back(fmt::format("the file has no camera height: {} m is assumed", mount.height_m));
+    calibration.notes.push_back(
+        fmt::format("the file has no camera height: {} m is assumed (--camera-height)", mount.height_m));
+  if (!calibration.has_pitch)
+    calibration.notes.push_back(
+        fmt::format("the file has no camera pitch: {} degrees are assumed (--camera-pitch)", degrees(mount.pitch_rad)));
 }
 
 void check_baseline(const Calibration& calibration, const std::string& source) {

@@ -16,7 +16,8 @@ struct OptionSetting {
 };
 
 /// Reads options from YAML: nested maps (`evolve: {flies: 5000}`), dotted keys (`evolve.flies: 5000`) or both.
-/// An empty file sets nothing. Whether the options exist is for `set_option` to say.
+/// A file of comments alone sets nothing; one of no bytes at all is an error. Whether the options exist is for
+/// `set_option` to say.
 /// @throws InputError naming file, line and key: unreadable file, malformed YAML, something else than a map, a key
 ///         twice, a value that is a list or missing
 std::vector<OptionSetting> load_options_yaml(const std::string& path);

@@ -57,6 +57,9 @@ struct EnumNames<Preset> {
 };
 DetectorOptions preset_options(Preset preset);
 
+/// @throws InputError naming `source`, the option `--preset` and the known names
+Preset preset_named(std::string_view name, const std::string& source);
+
 /// Checks every option against its range and those that depend on each other.
 /// @throws InputError naming `source` and the option
 void check_detector_options(const DetectorOptions& options, const std::string& source);
@@ -74,8 +77,10 @@ struct Detection {
   std::vector<double> roi_scores;  ///< of the classifier, one per ROI
 };
 
-/// Finds obstacles and pedestrians in rectified pairs of one camera. Keeps the obstacles of the last pair to steer
-/// the flies of the next one; otherwise without state.
+/// Finds obstacles and pedestrians in rectified pairs of one camera. What it remembers from pair to pair: their count,
+/// so that each gets random numbers of its own, and the obstacles of the last one, which may steer the flies of the
+/// next
+/// (`evolve.steering_share`). The n-th call is a function of the pairs so far, camera, options and model.
 class Detector {
  public:
   /// @throws InputError when the camera or an option is out of range

@@ -40,10 +40,16 @@ DetectorOptions paper_options() {
 
 DetectorOptions preset_options(Preset preset) { return preset == Preset::paper ? paper_options() : DetectorOptions{}; }
 
+Preset preset_named(std::string_view name, const std::string& source) {
+  return static_cast<Preset>(detail::parse_name(name, EnumNames<Preset>::names, "--preset", source));
+}
+
 void check_detector_options(const DetectorOptions& options, const std::string& source) {
   check_options(options, source);
   check_field(options.field, source);
   check_evolve_options(options.evolve, source);
+  check_propose_options(options.propose, source);
+  check_road_options(options.road, source);
 }
 
 }  // namespace flies

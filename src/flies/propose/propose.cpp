@@ -85,12 +85,16 @@ std::size_t max_rois_per_obstacle(const ProposeOptions& options) {
          static_cast<std::size_t>(2 * options.vertical_shifts + 1);
 }
 
-std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Projection& projection, const RoadPlane& road,
-                              int image_width_px, int image_height_px, const ProposeOptions& options) {
+void check_propose_options(const ProposeOptions& options, const std::string& source) {
   if (options.min_height_m > options.max_height_m)
-    throw InputError("options", "propose.min_height_m",
+    throw InputError(source, "propose.min_height_m",
                      fmt::format("found {}, expected at most propose.max_height_m, which is {}", options.min_height_m,
                                  options.max_height_m));
+}
+
+std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Projection& projection, const RoadPlane& road,
+                              int image_width_px, int image_height_px, const ProposeOptions& options) {
+  check_propose_options(options, "options");
   const auto heights_m = person_heights(options);
   std::vector<Roi> rois;
   std::set<std::array<long, 3>> taken;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "flies/core/options.hpp"
@@ -71,6 +72,9 @@ struct ProposeOptions {
 /// @throws InputError when `min_height_m` exceeds `max_height_m`
 std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Projection& projection, const RoadPlane& road,
                               int image_width_px, int image_height_px, const ProposeOptions& options);
+
+/// @throws InputError naming `source` when `min_height_m` exceeds `max_height_m`
+void check_propose_options(const ProposeOptions& options, const std::string& source);
 
 /// The most boxes `propose_rois` makes for one obstacle.
 std::size_t max_rois_per_obstacle(const ProposeOptions& options);

@@ -1,9 +1,12 @@
 #include "flies/road/road.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "flies/core/error.hpp"
 #include "flies/fitness/fitness.hpp"
 
 namespace flies {
@@ -168,6 +171,12 @@ RoadPlane search_slopes(const Projection& projection, const std::vector<RoadProb
 }
 
 }  // namespace
+
+void check_road_options(const RoadOptions& options, const std::string& source) {
+  if (!(options.x_min_m < options.x_max_m))
+    throw InputError(source, "road.x_min_m",
+                     fmt::format("the interval {}..{} m is empty", options.x_min_m, options.x_max_m));
+}
 
 RoadResult estimate_road(const RectifiedPair& pair, const Projection& projection, const RoadOptions& options) {
   RoadResult result;

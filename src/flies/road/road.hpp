@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "flies/core/gray_view.hpp"
@@ -46,6 +47,9 @@ struct RoadResult {
   std::vector<RoadProbe> probes;
   bool found = false;  ///< false: too few probes agreed, or not asked for; `plane` is the nominal ground
 };
+
+/// @throws InputError naming `source` when the probed stretch is empty
+void check_road_options(const RoadOptions& options, const std::string& source);
 
 /// Estimates the road plane from the pair. Each probe, a point of the left image that would show the nominal road, is
 /// matched along its line of sight over the disparities that a road of any allowed slope could have. What is matched
