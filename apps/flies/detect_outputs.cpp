@@ -1,8 +1,11 @@
 #include "detect_outputs.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <filesystem>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include "flies/core/error.hpp"
