@@ -145,11 +145,11 @@ void run_detect(const DetectArguments& arguments) {
     if (!arguments.outputs.any()) print(result_table(record));
     write_frame({pair, calibration.camera, options, &detection, static_cast<std::uint32_t>(i)}, file_stem(left_path),
                 arguments.outputs, is_single);
-    if (i == 0) say_notes(calibration_notes(calibration, arguments.calib));
     progress.show(i + 1);
   }
   if (json) json->commit();
   if (csv) csv->commit();
+  say_notes(calibration_notes(calibration, arguments.calib));
 }
 
 void add_input_options(CLI::App& command, DetectArguments& arguments) {

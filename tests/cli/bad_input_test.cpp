@@ -151,7 +151,7 @@ std::vector<BadInput> bad_inputs() {
        [](const fs::path& f) {
          write_folders(f, 2, 2);
          write_image(f / "r" / "1.png", unrelated_picture());
-         return detect({}, "l", "r");
+         return Words{"detect", "l", "r", "--calib", "calib.txt", "--json", "out.jsonl", "--evolve.flies", "300"};
        },
        {"l/1.png", "r/1.png"}},
       {"PictureOfAnotherFormat",

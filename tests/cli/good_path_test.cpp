@@ -22,7 +22,9 @@ using ::testing::HasSubstr;
 using Words = std::vector<std::string>;
 
 Words detect(const Words& more, const std::string& left = "left.png", const std::string& right = "right.png") {
-  Words words = {"detect", left, right, "--calib", "calib.txt", "--camera-height", "1.65", "--evolve.flies", "2000"};
+  Words words = {
+      "detect",         left,  right, "--calib", "calib.txt", "--camera-height", "1.65", "--camera-pitch", "0",
+      "--evolve.flies", "2000"};
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
@@ -62,7 +64,9 @@ TEST_F(Detect, FindsTheBoxWhereItStands) {
 }
 
 TEST_F(Detect, WritesTheDocumentedJson) {
-  const json record = found(folder, detect({"--json", "-", "--seed", "42", "--preset", "paper"})).at(0);
+  const json record = found(folder, {"detect", "left.png", "right.png", "--calib", "calib.txt", "--json", "-", "--seed",
+                                     "42", "--preset", "paper"})
+                          .at(0);
   EXPECT_EQ(record.at("frame"), 0);
   EXPECT_EQ(record.at("left"), "left.png");
   EXPECT_EQ(record.at("right"), "right.png");
@@ -78,6 +82,10 @@ TEST_F(Detect, WritesTheDocumentedJson) {
       EXPECT_TRUE(obstacle.at("box").at(key).is_number()) << key;
   }
   EXPECT_TRUE(record.at("pedestrians").is_array());
+}
+
+TEST_F(Detect, NamesChangedOptionsCustom) {
+  EXPECT_EQ(found(folder, detect({"--json", "-"})).at(0).at("preset"), "custom");
 }
 
 TEST_F(Detect, WritesEveryOutput) {
@@ -109,7 +117,7 @@ TEST_F(Detect, SaysTheAssumedCameraHeightOnce) {
                                                      "--json", "-", "--evolve.flies", "300"});
   EXPECT_EQ(result.status, 0);
   EXPECT_EQ(lines(result.err).size(), 1u) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("1.65 m"));
+  EXPECT_THAT(result.err, HasSubstr("1.65 m and 0 degrees"));
 }
 
 TEST_F(Detect, RepeatsItselfForASeedWhateverTheThreads) {

@@ -36,12 +36,17 @@ void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
   mount.roll_rad = request.camera_roll_rad.value_or(mount.roll_rad);
   calibration.has_height |= request.camera_height_m.has_value();
   calibration.has_pitch |= request.camera_pitch_rad.has_value();
-  if (!calibration.has_height)
-    calibration.notes.push_back(
-        fmt::format("the file has no camera height: {} m is assumed (--camera-height)", mount.height_m));
-  if (!calibration.has_pitch)
-    calibration.notes.push_back(
-        fmt::format("the file has no camera pitch: {} degrees are assumed (--camera-pitch)", degrees(mount.pitch_rad)));
+  std::vector<std::string> missing, assumed, flags;
+  const auto assume = [&](const char* what, std::string value, const char* flag) {
+    missing.emplace_back(what);
+    assumed.push_back(std::move(value));
+    flags.emplace_back(flag);
+  };
+  if (!calibration.has_height) assume("height", fmt::format("{} m", mount.height_m), "--camera-height");
+  if (!calibration.has_pitch) assume("pitch", fmt::format("{} degrees", degrees(mount.pitch_rad)), "--camera-pitch");
+  if (!missing.empty())
+    calibration.notes.push_back(fmt::format("the file has no camera {}, assumed: {} ({})", fmt::join(missing, " and "),
+                                            fmt::join(assumed, " and "), fmt::join(flags, ", ")));
 }
 
 void check_baseline(const Calibration& calibration, const std::string& source) {
