@@ -9,6 +9,7 @@
 #include "flies/core/field.hpp"
 #include "flies/core/fly.hpp"
 #include "flies/core/gray_view.hpp"
+#include "flies/core/parabola.hpp"
 #include "flies/core/random.hpp"
 #include "flies/core/stereo_camera.hpp"
 
@@ -203,6 +204,14 @@ TEST(FlyRandom, DrawsTheMomentsOfItsDistributions) {
   EXPECT_NEAR(uniform, 0.5, kTolerance);
   EXPECT_NEAR(normal, 0.0, kTolerance);
   EXPECT_NEAR(square, 1.0, 2.0 * kTolerance);
+}
+
+TEST(ParabolaVertex, FindsThePeakOrStaysInTheMiddle) {
+  const auto parabola = [](double x) { return 5.0 - 2.0 * (x - 0.3) * (x - 0.3); };
+  EXPECT_NEAR(parabola_vertex(parabola(-1), parabola(0), parabola(1)), 0.3, kRounding);
+  EXPECT_EQ(parabola_vertex(0.0, 1.0, 5.0), 0.0) << "opens upwards";
+  EXPECT_EQ(parabola_vertex(1.0, 1.0, 1.0), 0.0) << "flat";
+  EXPECT_EQ(parabola_vertex(0.0, 9.9, 10.0), 0.5 * 10.0 / 9.8);
 }
 
 TEST(Population, KeepsItsArraysOfEqualLength) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/parabola.hpp"
 #include "flies/evolve/operators.hpp"
 
 namespace flies {
@@ -63,12 +64,6 @@ void silence_rivalled(const Habitat& habitat, const UniquenessOptions& options, 
   const auto rivalled = find_rivalled(habitat, flies, options);
   for (std::size_t i = 0; i < flies.size(); ++i)
     if (rivalled[i]) flies.fitness[i] = 0.0F;
-}
-
-/// Offset of the vertex of the parabola through three equidistant values, in steps from the middle one.
-double parabola_vertex(double before, double middle, double after) {
-  const double curvature = before - 2.0 * middle + after;
-  return curvature < 0.0 ? std::clamp(0.5 * (before - after) / curvature, -1.0, 1.0) : 0.0;
 }
 
 /// The memetic step: moves one fly along its line of sight to the vertex of the parabola through its own fitness and

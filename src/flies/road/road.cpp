@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "flies/core/error.hpp"
+#include "flies/core/parabola.hpp"
 #include "flies/fitness/fitness.hpp"
 
 namespace flies {
@@ -57,12 +58,6 @@ std::vector<StereoPoint> place_probes(const RectifiedPair& pair, const Projectio
     }
   }
   return probes;
-}
-
-/// Offset of the vertex of the parabola through three equidistant values, -0.5..0.5 steps from the middle one.
-double parabola_vertex(double before, double middle, double after) {
-  const double curvature = before - 2.0 * middle + after;
-  return curvature < 0.0 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0.0;
 }
 
 /// Matches one probe along its line of sight, in steps of one pixel of disparity and then between them.
