@@ -60,7 +60,29 @@ struct FitnessOptions {
   }
 };
 
-/// Scores flies against the pair.
+/// Scores places given by image coordinates: the left projection (`u_px`, `v_px`) and the disparity of each. This is
+/// the kernel behind everything that scores: serial, without heap allocation, safe to call from several threads at
+/// once. Rows of the images stay in the caches when the places are ordered by `v_px`.
+/// @param fitness of each place: >= 0; 0 where a coordinate is not finite or the neighbourhood leaves either image. A
+///                neighbourhood uses the columns of half_width_px to each side of its place, in the right image one
+///                more to the right. All four spans are of equal length.
+/// Left projections are rounded to whole pixels and right ones to the steps of the sampling, halves to even, in single
+/// precision: the same decisions on every CPU.
+void score_points(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
+                  std::span<const float> v_px, std::span<const float> disparity_px, std::span<float> fitness);
+
+/// Correlation coefficients of the row-centred neighbourhoods, lowered by the noise floor of the options; -1..1, and 0
+/// where `score_points` would give 0 for want of pixels. How alike two places look, whatever their contrast.
+void correlate_points(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
+                      std::span<const float> v_px, std::span<const float> disparity_px, std::span<float> coefficient);
+
+/// `score_points` for one place.
+float score_point(const RectifiedPair& pair, const FitnessOptions& options, const StereoPoint& point);
+
+/// `correlate_points` for one place.
+float correlate_point(const RectifiedPair& pair, const FitnessOptions& options, const StereoPoint& point);
+
+/// Scores flies against the pair: `score_points` of their projections.
 /// @param pair    rectified pair of the size that `projection` was calibrated for
 /// @param flies   positions in the vehicle frame; their present fitness is not read
 /// @param first   index of the first fly to score
@@ -73,13 +95,6 @@ void score_flies(const RectifiedPair& pair, const Projection& projection, const 
 /// Scores all flies. @returns one fitness per fly
 std::vector<float> score_flies(const RectifiedPair& pair, const Projection& projection, const FitnessOptions& options,
                                const Population& flies);
-
-/// Scores one pair of neighbourhoods given by image coordinates; the kernel behind `score_flies`.
-float score_point(const RectifiedPair& pair, const FitnessOptions& options, const StereoPoint& point);
-
-/// Correlation coefficient of the two row-centred neighbourhoods, lowered by the noise floor of the options; -1..1,
-/// and 0 where `score_point` would be 0 for want of pixels. How alike two places look, whatever their contrast.
-double correlate_point(const RectifiedPair& pair, const FitnessOptions& options, const StereoPoint& point);
 
 /// Instruction set that scores the flies: the fastest of `kernel_target_names()`, or the one that the environment
 /// variable FLIES_TARGET names when the process first asks for a fitness; a name not among them changes nothing.

@@ -210,9 +210,41 @@ TEST(CorrelatePoint, IsOneForEqualPatchesWithoutNoiseFloor) {
   const auto pair = shifted_noise(9);
   FitnessOptions options;
   options.noise_gray = 0.0;
-  EXPECT_NEAR(correlate_point(pair.view(), options, {50, 30, 9}), 1.0, 1e-12);
+  EXPECT_NEAR(correlate_point(pair.view(), options, {50, 30, 9}), 1.0, kFloatRounding);
   options.noise_gray = 20.0;
   EXPECT_LT(correlate_point(pair.view(), options, {50, 30, 9}), 0.99);
+}
+
+TEST(ScorePoints, ScoresEachPlace) {
+  const auto pair = shifted_noise(5);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<float> u = {50, 30.3F, nan, 50, 50, 3}, v = {30, 20.7F, 30, nan, 30, 30};
+  const std::vector<float> disparity = {5, 5.2F, 5, 5, nan, 0};
+  for (const auto function : kFunctions)
+    for (const auto sampling : kSamplings) {
+      const auto options = with(function, sampling);
+      std::vector<float> fitness(u.size(), -1.0F), coefficient(u.size(), -1.0F);
+      score_points(pair.view(), options, u, v, disparity, fitness);
+      correlate_points(pair.view(), options, u, v, disparity, coefficient);
+      for (std::size_t i = 0; i < u.size(); ++i) {
+        EXPECT_EQ(fitness[i], score_point(pair.view(), options, {u[i], v[i], disparity[i]}));
+        EXPECT_EQ(coefficient[i], correlate_point(pair.view(), options, {u[i], v[i], disparity[i]}));
+        EXPECT_EQ(fitness[i] > 0.0F, i < 2) << enum_name(function) << ' ' << i;
+      }
+    }
+}
+
+TEST(ScorePoints, RoundsHalvesToEven) {
+  const auto pair = shifted_noise(5);
+  const auto options = with(FitnessFunction::covariance);
+  EXPECT_EQ(score_point(pair.view(), options, {50.5, 30.5, 5}), score_point(pair.view(), options, {50, 30, 4}));
+  EXPECT_EQ(score_point(pair.view(), options, {51.5, 31.5, 5}), score_point(pair.view(), options, {52, 32, 6}));
+}
+
+TEST(ScorePoints, TakesNoPlaces) {
+  const auto pair = shifted_noise(5);
+  score_points(pair.view(), {}, {}, {}, {}, {});
+  correlate_points(pair.view(), {}, {}, {}, {}, {});
 }
 
 StereoCamera small_camera() {

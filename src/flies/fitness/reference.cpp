@@ -10,9 +10,9 @@ namespace {
 class Neighbourhoods {
  public:
   Neighbourhoods(const RectifiedPair& pair, const FitnessOptions& options, const StereoPoint& point)
-      : pair_(pair), u_left_(std::lround(point.u_px)), v_(std::lround(point.v_px)) {
+      : pair_(pair), u_left_(std::lrint(point.u_px)), v_(std::lrint(point.v_px)) {
     u_right_ = options.sampling == PatchSampling::nearest
-                   ? static_cast<double>(std::lround(point.u_px - point.disparity_px))
+                   ? static_cast<double>(std::lrint(point.u_px - point.disparity_px))
                    : static_cast<double>(u_left_) - point.disparity_px;
   }
 
