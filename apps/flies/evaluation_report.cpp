@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
 #include "flies/core/options.hpp"
+#include "report_json.hpp"
 
 namespace {
 
@@ -107,11 +107,6 @@ std::string part_lines(const Evaluation& evaluation, Group group, const std::str
   return fmt::format("{}, {} {}\n", part, objects, objects == 1 ? "object" : "objects") + text;
 }
 
-Json rounded(double value) {
-  constexpr double kDigits = 1e6;
-  return std::round(value * kDigits) / kDigits + 0.0;  // + 0 turns -0 into 0
-}
-
 Json json_of(const Estimate& estimate) {
   Json json = {{"median", rounded(estimate.median)}, {"spread", rounded(estimate.spread)}};
   if (estimate.low && estimate.high) {
@@ -146,13 +141,6 @@ Json json_of(const MethodResult& method, const Evaluation& evaluation) {
   }
   json["missed"] = Json::array();
   for (const auto& missed : method.missed) json["missed"].push_back(json_of(missed));
-  return json;
-}
-
-template <class Options>
-Json json_of_options(const Options& options) {
-  Json json = Json::object();
-  for (const auto& listing : flies::list_options(options)) json[listing.path] = listing.value;
   return json;
 }
 

@@ -67,6 +67,7 @@ void setup(CLI::App& app) {
   setup_calib(app);
   setup_synth(app);
   setup_evaluate(app);
+  setup_evaluate_classifier(app);
   setup_reproduce(app);
   setup_config(app);
   setup_info(app);

@@ -2,10 +2,11 @@
 
 #include <cstddef>
 
-/// A bar on standard error that counts pairs; silent when that is no terminal or there are less than two pairs.
+/// A bar on standard error that counts what is done; silent when that is no terminal or there are less than two.
 class ProgressBar {
  public:
-  explicit ProgressBar(std::size_t total);
+  /// @param what is counted, in the plural; it must outlive the bar
+  explicit ProgressBar(std::size_t total, const char* what = "pairs");
   ~ProgressBar();  ///< clears the line
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -14,5 +15,6 @@ class ProgressBar {
 
  private:
   std::size_t total_;
+  const char* what_;
   bool is_visible_;
 };

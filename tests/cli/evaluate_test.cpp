@@ -58,7 +58,9 @@ TEST_F(Evaluate, WritesTheDocumentedJson) {
   EXPECT_EQ(evaluation.at("objects"), 2);
   EXPECT_EQ(evaluation.at("seed"), 1);
   EXPECT_EQ(evaluation.at("preset"), "default");
-  EXPECT_EQ(evaluation.at("options").at("evolve.flies"), "1000");
+  EXPECT_EQ(evaluation.at("options").at("evolve.flies"), 1000);
+  EXPECT_EQ(evaluation.at("options").at("road.estimate"), true);
+  EXPECT_EQ(evaluation.at("options").at("fitness.sampling"), "subpixel");
   EXPECT_TRUE(evaluation.at("match").contains("radius_m"));
   ASSERT_EQ(evaluation.at("methods").size(), 4u);
   const char* const names[] = {"default", "sgbm", "sgbm-3way", "paper"};

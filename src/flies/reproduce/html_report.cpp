@@ -2,74 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <opencv2/imgcodecs.hpp>
 #include <string_view>
 
 #include "flies/core/options.hpp"
+#include "flies/draw/html.hpp"
 #include "flies/reproduce/report.hpp"
 
 namespace flies {
 namespace {
 
-constexpr std::string_view kStyle = R"(
-:root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 1280px; margin: 0 auto; padding: 1rem 1.5rem 4rem; }
-h1 { line-height: 1.2; } h2 { margin-top: 3rem; border-top: 1px solid #ccc; padding-top: 1rem; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; margin: 1rem 0; font-size: .92rem; }
-th, td { border: 1px solid #ccc; padding: .35rem .6rem; text-align: right; vertical-align: top; white-space: nowrap; }
-th { background: #f3f3f3; } th:first-child, td:first-child { text-align: left; white-space: normal; min-width: 15rem; }
-td.left { text-align: left; }
-td small { color: #555; display: block; }
-td.met { background: #e6f4e6; } td.missed { background: #fbe9e0; }
-figure { margin: 1.5rem 0; } figure img { max-width: 100%; height: auto; border: 1px solid #ddd; }
-figcaption { max-width: 60rem; } figcaption b { margin-right: .3em; }
-pre { background: #f6f6f6; padding: .8rem; overflow-x: auto; font-size: .85rem; white-space: pre-wrap; }
-)";
-
-std::string escaped(std::string_view text) {
-  std::string html;
-  for (const char c : text) {
-    if (c == '<')
-      html += "&lt;";
-    else if (c == '>')
-      html += "&gt;";
-    else if (c == '&')
-      html += "&amp;";
-    else if (c == '"')
-      html += "&quot;";
-    else
-      html += c;
-  }
-  return html;
-}
-
-std::string base64(const std::vector<std::uint8_t>& bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (k < count ? bytes[i + k] : 0U);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[group >> (18 - 6 * k) & 63U] : '=';
-  }
-  return text;
-}
-
-std::string data_uri(const PaperFigure& figure) {
-  constexpr int kJpegQuality = 90;  // text in the picture stays sharp
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(figure.is_photo ? ".jpg" : ".png", figure.picture, bytes,
-               figure.is_photo ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, kJpegQuality}
-                               : std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 9});
-  return fmt::format("data:image/{};base64,{}", figure.is_photo ? "jpeg" : "png", base64(bytes));
-}
-
 /// A cell beside the paper's number: `verdict` is "", "met" or "missed".
 std::string cell(const std::string& median, const std::string& detail, const std::string& verdict) {
-  return fmt::format("<td{}>{}{}</td>", verdict.empty() ? "" : " class=\"" + verdict + "\"", escaped(median),
-                     detail.empty() ? "" : "<small>" + escaped(detail) + "</small>");
+  return fmt::format("<td{}>{}{}</td>", verdict.empty() ? "" : " class=\"" + verdict + "\"", html_text(median),
+                     detail.empty() ? "" : "<small>" + html_text(detail) + "</small>");
 }
 
 /// All measures are better when smaller.
@@ -97,15 +42,15 @@ constexpr std::array<TimeRow, 3> kTimeRows = {{{Stage::evolve, "evolution, 3 gen
 template <class Cell>
 std::string row(const std::string& label, const std::string& unit, const std::string& paper,
                 const std::vector<ReportSet>& sets, const Cell& make_cell) {
-  std::string html = fmt::format("<tr><td>{}</td><td class=\"left\">{}</td><td>{}</td>", escaped(label), escaped(unit),
-                                 escaped(paper));
+  std::string html = fmt::format("<tr><td>{}</td><td class=\"left\">{}</td><td>{}</td>", html_text(label),
+                                 html_text(unit), html_text(paper));
   for (const auto& set : sets) html += make_cell(set);
   return html + "</tr>\n";
 }
 
 std::string table(const std::vector<ReportSet>& sets) {
   std::string html = "<div class=\"scroll\"><table>\n<tr><th>what</th><th>unit</th><th>paper</th>";
-  for (const auto& set : sets) html += fmt::format("<th>{}</th>", escaped(set.title));
+  for (const auto& set : sets) html += fmt::format("<th>{}</th>", html_text(set.title));
   html += "</tr>\n";
   for (std::size_t i = 0; i < experiment_rows().size(); ++i) {
     const ExperimentRow& measure = experiment_rows()[i];
@@ -135,8 +80,8 @@ std::string person_row(const ReportSet& set, const MeasuredPerson& measured) {
                                                       "evolved_shift_error_m"};
   const auto& e = measured.experiment;
   std::string html =
-      fmt::format("<tr><td>{}: {}</td><td>{:.2f}</td><td>{:.2f}</td>", escaped(set.frames[measured.frame]),
-                  escaped(e.person.name), e.person.near.x_m, e.person.near.y_m);
+      fmt::format("<tr><td>{}: {}</td><td>{:.2f}</td><td>{:.2f}</td>", html_text(set.frames[measured.frame]),
+                  html_text(e.person.name), e.person.near.x_m, e.person.near.y_m);
   for (const auto& measure : experiment_rows()) {
     if (std::find(kShown.begin(), kShown.end(), measure.key) == kShown.end()) continue;
     std::vector<std::optional<double>> values;
@@ -163,7 +108,8 @@ std::string figures(const ReportSet& set) {
   for (const auto& figure : set.figures)
     html +=
         fmt::format("<figure><img alt=\"Figure {}\" src=\"{}\"><figcaption><b>Figure {}.</b>{}</figcaption></figure>\n",
-                    escaped(figure.number), data_uri(figure), escaped(figure.number), escaped(figure.caption));
+                    html_text(figure.number), html_image(figure.picture, figure.is_photo), html_text(figure.number),
+                    html_text(figure.caption));
   return html;
 }
 
@@ -181,7 +127,7 @@ std::string origin(const std::vector<ReportSet>& sets, const PersonOptions& opti
   return fmt::format(
       "<h2>What made these numbers</h2>\n<pre>{}</pre>\n<details><summary>All options of the method "
       "(preset paper)</summary><pre>{}</pre></details>\n",
-      escaped(text), escaped(listing));
+      html_text(text), html_text(listing));
 }
 
 constexpr std::string_view kIntroduction =
@@ -243,13 +189,13 @@ std::string html_report(const std::vector<ReportSet>& sets, const PersonOptions&
       "content=\"width=device-width, initial-scale=1\"><title>flies: the paper's "
       "figures</title><style>{}</style></head>"
       "<body>\n<h1>The paper's figures and numbers, measured again</h1>\n",
-      kStyle);
+      kHtmlStyle);
   html += kIntroduction;
   html += table(sets);
   html += kReading;
   html += origin(sets, options, context);
   for (const auto& set : sets)
-    html += fmt::format("<h2>{}</h2>\n<p>{}</p>\n{}{}", escaped(set.title), escaped(set.description), figures(set),
+    html += fmt::format("<h2>{}</h2>\n<p>{}</p>\n{}{}", html_text(set.title), html_text(set.description), figures(set),
                         people_table(set));
   return html + "</body></html>\n";
 }

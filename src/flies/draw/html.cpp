@@ -1,0 +1,70 @@
+#include "flies/draw/html.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+namespace flies {
+namespace {
+
+std::string base64(const std::vector<std::uint8_t>& bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (k < count ? bytes[i + k] : 0U);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[group >> (18 - 6 * k) & 63U] : '=';
+  }
+  return text;
+}
+
+}  // namespace
+
+const std::string_view kHtmlStyle = R"(
+:root { color-scheme: light; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 1280px; margin: 0 auto; padding: 1rem 1.5rem 4rem; }
+h1 { line-height: 1.2; } h2 { margin-top: 3rem; border-top: 1px solid #ccc; padding-top: 1rem; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; margin: 1rem 0; font-size: .92rem; }
+th, td { border: 1px solid #ccc; padding: .35rem .6rem; text-align: right; vertical-align: top; white-space: nowrap; }
+th { background: #f3f3f3; } th:first-child, td:first-child { text-align: left; white-space: normal; min-width: 15rem; }
+td.left { text-align: left; }
+td small { color: #555; display: block; }
+td.met { background: #e6f4e6; } td.missed { background: #fbe9e0; }
+figure { margin: 1.5rem 0; } figure img { max-width: 100%; height: auto; border: 1px solid #ddd; }
+figcaption { max-width: 60rem; } figcaption b { margin-right: .3em; }
+pre { background: #f6f6f6; padding: .8rem; overflow-x: auto; font-size: .85rem; white-space: pre-wrap; }
+)";
+
+std::string html_text(std::string_view text) {
+  std::string html;
+  for (const char c : text) {
+    if (c == '<')
+      html += "&lt;";
+    else if (c == '>')
+      html += "&gt;";
+    else if (c == '&')
+      html += "&amp;";
+    else if (c == '"')
+      html += "&quot;";
+    else
+      html += c;
+  }
+  return html;
+}
+
+std::string html_image(const cv::Mat& picture, bool is_photo) {
+  constexpr int kJpegQuality = 90;  // text in the picture stays sharp
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(is_photo ? ".jpg" : ".png", picture, bytes,
+               is_photo ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, kJpegQuality}
+                        : std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 9});
+  return fmt::format("data:image/{};base64,{}", is_photo ? "jpeg" : "png", base64(bytes));
+}
+
+}  // namespace flies
