@@ -176,6 +176,45 @@ TEST(Philox, MatchesTheKnownAnswersOfItsAuthors) {
             (std::array<std::uint32_t, 4>{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
 }
 
+TEST(QuickPhilox, MatchesTheKnownAnswersOfItsAuthors) {
+  // From the known-answer file of the Random123 library, philox2x64 with 7 rounds; low halves of words first.
+  EXPECT_EQ(quick_philox({0, 0}, 0), (RandomWords{0xbfefc666, 0xb41da69f, 0xa5534056, 0x511e9ce1}));
+  EXPECT_EQ(quick_philox({0x243f6a8885a308d3, 0x13198a2e03707344}, 0xa4093822299f31d0),
+            (RandomWords{0x392bf372, 0x98ed1534, 0x68882fd5, 0x67528b15}));
+}
+
+TEST(FlyDraws, AreAFunctionOfSeedPurposeGenerationFlyAndNumber) {
+  FlyDraws draws(1, 2, 3, 4);
+  const auto first = draws.next(), second = draws.next();
+  EXPECT_EQ(FlyDraws(1, 2, 3, 4).next(), first);
+  EXPECT_NE(second, first);
+  EXPECT_NE(FlyDraws(9, 2, 3, 4).next(), first);
+  EXPECT_NE(FlyDraws(1, 9, 3, 4).next(), first);
+  EXPECT_NE(FlyDraws(1, 2, 9, 4).next(), first);
+  EXPECT_NE(FlyDraws(1, 2, 3, 9).next(), first);
+}
+
+TEST(StandardNormal, FollowsTheNormalDistribution) {
+  EXPECT_EQ(std::abs(standard_normal(0)), 0.0);
+  constexpr int kWords = 1 << 20;
+  double sum = 0.0, squares = 0.0;
+  for (std::uint32_t i = 0; i < kWords; ++i) {
+    // Evenly spread over all words: the sign is the last bit.
+    for (const std::uint32_t sign : {0u, 1u}) {
+      const double z = standard_normal(i << 12 | sign);
+      sum += z;
+      squares += z * z;
+      if (i % 1024 == 0) {
+        const double below = 0.5 * (1.0 + std::erf(z / std::sqrt(2.0)));
+        const double share = 0.5 + (sign == 0 ? 0.5 : -0.5) * i / kWords;
+        EXPECT_NEAR(below, share, 1.4e-4) << i;  // as the comment of the function says
+      }
+    }
+  }
+  EXPECT_NEAR(sum, 0.0, 1e-6 * kWords);
+  EXPECT_NEAR(squares / (2.0 * kWords), 1.0, 1e-4);  // of the spacing of the words
+}
+
 TEST(FlyRandom, IsAFunctionOfSeedPurposeGenerationAndFly) {
   const auto first = [](std::uint64_t seed, std::uint32_t purpose, std::uint32_t generation, std::uint32_t fly) {
     return FlyRandom(seed, purpose, generation, fly).bits();

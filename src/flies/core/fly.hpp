@@ -43,4 +43,29 @@ struct Population {
   }
 };
 
+/// Flies by their image coordinates, a structure of arrays: what evolution works on. Disparity is u_left - u_right.
+struct ImagePopulation {
+  std::vector<float> u_px, v_px;  ///< left projection
+  std::vector<float> disparity_px;
+  std::vector<float> fitness;  ///< >= 0 once scored
+
+  std::size_t size() const { return u_px.size(); }
+
+  void resize(std::size_t count) {
+    u_px.resize(count);
+    v_px.resize(count);
+    disparity_px.resize(count);
+    fitness.resize(count);
+  }
+
+  StereoPoint point(std::size_t i) const { return {u_px[i], v_px[i], disparity_px[i]}; }
+
+  void set(std::size_t i, const StereoPoint& point, float fly_fitness = 0.0F) {
+    u_px[i] = static_cast<float>(point.u_px);
+    v_px[i] = static_cast<float>(point.v_px);
+    disparity_px[i] = static_cast<float>(point.disparity_px);
+    fitness[i] = fly_fitness;
+  }
+};
+
 }  // namespace flies

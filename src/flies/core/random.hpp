@@ -24,6 +24,54 @@ constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> count
   return counter;
 }
 
+/// Four random words, all that most draws need.
+using RandomWords = std::array<std::uint32_t, 4>;
+
+/// Philox2x64-7 of the same paper: the same quality (6 rounds pass all of its statistical tests) for less than half of
+/// the instructions where 64-bit products are cheap. For draws by the ten thousand.
+constexpr RandomWords quick_philox(std::array<std::uint64_t, 2> counter, std::uint64_t key) {
+  __extension__ using Product = unsigned __int128;
+  for (int round = 0; round < 7; ++round) {
+    const Product product = Product{0xD2B74407B1CE6E93u} * counter[0];
+    counter = {static_cast<std::uint64_t>(product >> 64) ^ key ^ counter[1], static_cast<std::uint64_t>(product)};
+    key += 0x9E3779B97F4A7C15u;
+  }
+  return {static_cast<std::uint32_t>(counter[0]), static_cast<std::uint32_t>(counter[0] >> 32),
+          static_cast<std::uint32_t>(counter[1]), static_cast<std::uint32_t>(counter[1] >> 32)};
+}
+
+/// The draws of one fly in one generation for one purpose, four words each: like FlyRandom, but faster.
+class FlyDraws {
+ public:
+  FlyDraws(std::uint64_t seed, std::uint32_t purpose, std::uint32_t generation, std::uint32_t fly)
+      : seed_(seed), counter_{std::uint64_t{purpose} << 32 | generation, std::uint64_t{fly} << 32} {}
+
+  RandomWords next() {
+    const auto words = quick_philox(counter_, seed_);
+    ++counter_[1];
+    return words;
+  }
+
+ private:
+  std::uint64_t seed_;
+  std::array<std::uint64_t, 2> counter_;
+};
+
+/// Uniform in [low, high) from one word.
+inline double uniform(std::uint32_t word, double low = 0.0, double high = 1.0) {
+  return low + (high - low) * (word * 0x1p-32);
+}
+
+/// Uniform in [0, count) from one word, count > 0.
+inline std::uint32_t below(std::uint32_t word, std::uint32_t count) {
+  return static_cast<std::uint32_t>((static_cast<std::uint64_t>(word) * count) >> 32);
+}
+
+/// Standard normal from one word: the quantile function of the normal distribution, linear between 1023 exact ones.
+/// Its variance is 1, its distribution function is off by at most 1.4e-4; nothing falls beyond 3.63, where one of 3,500
+/// normal deviates does.
+double standard_normal(std::uint32_t word);
+
 /// The random numbers of one fly in one generation for one purpose: a short private stream.
 class FlyRandom {
  public:

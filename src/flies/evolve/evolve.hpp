@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "flies/core/field.hpp"
 #include "flies/core/fly.hpp"
@@ -10,6 +12,8 @@
 #include "flies/core/road.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/evolve/evolve_options.hpp"
+#include "flies/evolve/niches.hpp"
+#include "flies/evolve/refine.hpp"
 #include "flies/fitness/fitness.hpp"
 
 namespace flies {
@@ -22,15 +26,36 @@ struct RandomSource {
 
 struct EvolveResult {
   Population flies;             ///< scored, `EvolveOptions::flies` of them
+  ImagePopulation in_image;     ///< the same flies by their image coordinates
   std::size_t evaluations = 0;  ///< fitness evaluations spent
 };
 
 /// Spreads flies over the field of detection and lets them evolve towards visible surfaces (METHOD section
 /// "Evolution"). With 0 generations the flies are only spread and scored.
 /// @param steer_towards obstacles of the previous pair, may be empty; see `EvolveOptions::steering_share`
+/// Runs on oneTBB's current arena; results do not depend on the number of threads.
 EvolveResult evolve(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road,
                     const FieldOptions& field, const FitnessOptions& fitness, const EvolveOptions& options,
                     const RandomSource& random, std::span<const Obstacle> steer_towards = {});
+
+/// The same for pair after pair. Keeps memory and nothing else from call to call: once it has seen a population of the
+/// size and images of the size, it allocates no more.
+class Evolver {
+ public:
+  /// @returns a result that is valid until the next call
+  const EvolveResult& evolve(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road,
+                             const FieldOptions& field, const FitnessOptions& fitness, const EvolveOptions& options,
+                             const RandomSource& random, std::span<const Obstacle> steer_towards = {});
+
+ private:
+  EvolveResult result_;
+  CrowdingGrid crowding_grid_;
+  UniquenessGrid uniqueness_grid_;
+  std::vector<float> crowding_, shared_;
+  std::vector<std::uint8_t> rivalled_;
+  std::vector<std::uint32_t> fittest_;
+  RefineTrials trials_;
+};
 
 /// @throws InputError naming `source` when the shares of the children add up to more than 1
 void check_evolve_options(const EvolveOptions& options, const std::string& source);

@@ -5,11 +5,26 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <new>
 #include <numeric>
 #include <vector>
 
 #include "flies/core/error.hpp"
 #include "flies/core/random.hpp"
+
+namespace {
+std::size_t allocations = 0;
+}  // namespace
+
+// Counts what this program allocates; the sized and array forms of the library come down to these.
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace flies {
 namespace {
@@ -133,6 +148,43 @@ TEST(Evolve, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(one.flies.x_m, four.flies.x_m);
   EXPECT_EQ(one.flies.z_m, four.flies.z_m);
   EXPECT_EQ(one.flies.fitness, four.flies.fitness);
+}
+
+TEST(Evolver, GivesTheSameResultsAsTheFunctionPairAfterPair) {
+  const Wall wall;
+  Evolver evolver;
+  for (std::uint32_t frame = 0; frame < 3; ++frame) {
+    const auto expected = run(wall, small_options(), {1, frame});
+    const auto& found = evolver.evolve(wall.pair(), Projection(camera()), {}, {}, {}, small_options(), {1, frame});
+    EXPECT_EQ(found.flies.x_m, expected.flies.x_m);
+    EXPECT_EQ(found.flies.fitness, expected.flies.fitness);
+    EXPECT_EQ(found.evaluations, expected.evaluations);
+  }
+}
+
+TEST(Evolver, AllocatesNothingOnceItHasSeenAPair) {
+  const Wall wall;
+  const Projection projection(camera());
+  Evolver evolver;
+  tbb::task_arena(1).execute([&] {
+    evolver.evolve(wall.pair(), projection, {}, {}, {}, small_options(), {1, 0});
+    const auto before = allocations;
+    evolver.evolve(wall.pair(), projection, {}, {}, {}, small_options(), {1, 1});
+    EXPECT_EQ(allocations, before);
+  });
+}
+
+TEST(Evolver, GivesTheFliesInTheVehicleFrameAndInTheImage) {
+  const auto result = run(Wall(), small_options());
+  const Projection projection(camera());
+  for (std::size_t i = 0; i < result.flies.size(); ++i) {
+    const auto image = projection.project(result.flies.point(i));
+    // Coordinates are kept in single precision.
+    EXPECT_NEAR(image.u_px, result.in_image.u_px[i], 1e-3);
+    EXPECT_NEAR(image.v_px, result.in_image.v_px[i], 1e-3);
+    EXPECT_NEAR(image.disparity_px, result.in_image.disparity_px[i], 1e-3);
+    EXPECT_EQ(result.flies.fitness[i], result.in_image.fitness[i]);
+  }
 }
 
 TEST(Evolve, SteersChildrenTowardsTheObstaclesItIsGiven) {

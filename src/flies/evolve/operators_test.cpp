@@ -13,6 +13,9 @@ namespace {
 constexpr int kDraws = 1000;
 constexpr double kMeanTolerance = 5.0 / 31.6;
 
+/// Rounding of double arithmetic over a few dozen operations on metres and pixels.
+constexpr double kRounding = 1e-9;
+
 /// Owns a left image whose right half is striped and whose left half is uniform.
 class OperatorsTest : public testing::Test {
  protected:
@@ -33,15 +36,7 @@ class OperatorsTest : public testing::Test {
             .mount = {.height_m = 1.5}};
   }
   Habitat habitat() const { return {Projection(camera()), {pixels_.data(), 640, 480, 640}, {}, {}}; }
-  static FlyRandom random(int i) { return {1, 0, 0, static_cast<std::uint32_t>(i)}; }
-
-  /// A fly that falls on left pixel (u, v) with this disparity.
-  Population flies_at(const std::vector<StereoPoint>& points, const std::vector<float>& fitness) const {
-    Population flies;
-    for (std::size_t i = 0; i < points.size(); ++i)
-      flies.push_back(habitat().projection.triangulate(points[i]), fitness[i]);
-    return flies;
-  }
+  static FlyDraws draws(int i) { return {1, 0, 0, static_cast<std::uint32_t>(i)}; }
 
   std::vector<std::uint8_t> pixels_;
 };
@@ -49,8 +44,8 @@ class OperatorsTest : public testing::Test {
 TEST_F(OperatorsTest, SpawnStaysInTheHabitat) {
   for (const auto distribution : {InitialDistribution::image, InitialDistribution::space})
     for (int i = 0; i < kDraws; ++i) {
-      auto r = random(i);
-      EXPECT_TRUE(in_habitat(habitat(), spawn(habitat(), distribution, 0.0, r)));
+      auto d = draws(i);
+      EXPECT_TRUE(habitat().holds(spawn(habitat(), distribution, 0.0, d)));
     }
 }
 
@@ -58,8 +53,8 @@ TEST_F(OperatorsTest, SpawnSpreadsDisparityOrDistanceEvenly) {
   const auto mean = [&](InitialDistribution distribution, auto value) {
     double sum = 0.0;
     for (int i = 0; i < kDraws; ++i) {
-      auto r = random(i);
-      sum += value(spawn(habitat(), distribution, 0.0, r)) / kDraws;
+      auto d = draws(i);
+      sum += value(habitat().point(spawn(habitat(), distribution, 0.0, d))) / kDraws;
     }
     return sum;
   };
@@ -75,71 +70,25 @@ TEST_F(OperatorsTest, SpawnSpreadsDisparityOrDistanceEvenly) {
 TEST_F(OperatorsTest, SpawnPrefersInformativePlaces) {
   int informative = 0;
   for (int i = 0; i < kDraws; ++i) {
-    auto r = random(i);
-    informative += habitat().projection.project(spawn(habitat(), InitialDistribution::image, 20.0, r)).u_px > 310.0;
+    auto d = draws(i);
+    informative += spawn(habitat(), InitialDistribution::image, 20.0, d).u_px > 310.0;
   }
   EXPECT_GT(informative, 0.99 * kDraws);
 }
 
 TEST_F(OperatorsTest, RowContrastIsTheSpreadOfGreyLevelsInAPatch) {
-  EXPECT_EQ(row_contrast(habitat().left, {100, 100, 0}), 0);
-  EXPECT_EQ(row_contrast(habitat().left, {400, 100, 0}), 60);
-  EXPECT_EQ(row_contrast(habitat().left, {639, 479, 0}), 60);
-  EXPECT_EQ(row_contrast(habitat().left, {-1, 100, 0}), 0);
-}
-
-TEST_F(OperatorsTest, CrowdingCountsOwnCellTwiceAndFourNeighboursOnce) {
-  // Cells of 10 px: three flies in one cell, one in the cell to the right, one diagonal, one far away.
-  const auto flies =
-      flies_at({{105, 105, 10}, {106, 106, 20}, {107, 101, 30}, {115, 105, 10}, {115, 115, 10}, {305, 305, 10}},
-               {1, 1, 1, 1, 1, 1});
-  EXPECT_THAT(crowding(habitat(), flies, 10), testing::ElementsAre(3.5F, 3.5F, 3.5F, 3.0F, 1.5F, 1.0F));
-}
-
-TEST_F(OperatorsTest, CrowdingLeavesFliesOutsideTheImageAlone) {
-  Population flies;
-  flies.push_back({-5, 0, 1});
-  flies.push_back({5, 100, 1});
-  EXPECT_THAT(crowding(habitat(), flies, 10), testing::ElementsAre(1.0F, 1.0F));
-}
-
-TEST(ShareFitness, DividesByAPowerOfTheCrowding) {
-  const std::vector<float> fitness{8, 8}, crowds{4, 1};
-  EXPECT_THAT(share_fitness(fitness, crowds, 1.0), testing::ElementsAre(2.0F, 8.0F));
-  EXPECT_THAT(share_fitness(fitness, crowds, 0.5), testing::ElementsAre(4.0F, 8.0F));
-  EXPECT_THAT(share_fitness(fitness, crowds, 0.0), testing::ElementsAre(8.0F, 8.0F));
-}
-
-TEST(SelectFittest, KeepsTheLargestAndBreaksTiesByIndex) {
-  const std::vector<float> fitness{3, 9, 5, 9, 5, 5};
-  EXPECT_THAT(select_fittest(fitness, 3), testing::ElementsAre(1U, 2U, 3U));
-  EXPECT_THAT(select_fittest(fitness, 0), testing::IsEmpty());
-  EXPECT_THAT(select_fittest(fitness, 99), testing::ElementsAre(0U, 1U, 2U, 3U, 4U, 5U));
-}
-
-TEST_F(OperatorsTest, UniquenessMarksTheWeakerOfTwoFliesOnTheSameLeftPixels) {
-  const auto flies = flies_at({{200, 240, 20}, {202, 241, 30}, {330, 240, 45}}, {5, 3, 1});
-  EXPECT_THAT(find_rivalled(habitat(), flies, {}), testing::ElementsAre(false, true, false));
-}
-
-TEST_F(OperatorsTest, UniquenessMarksTheWeakerOfTwoFliesOnTheSameRightPixels) {
-  // Right columns 180 and 181.
-  const auto flies = flies_at({{200, 240, 20}, {221, 240, 40}}, {5, 3});
-  EXPECT_THAT(find_rivalled(habitat(), flies, {}), testing::ElementsAre(false, true));
-}
-
-TEST_F(OperatorsTest, UniquenessSparesFliesOfTheSameSurface) {
-  const auto flies = flies_at({{200, 240, 20}, {202, 241, 21}, {200, 260, 35}}, {5, 3, 1});
-  EXPECT_THAT(find_rivalled(habitat(), flies, {}), testing::ElementsAre(false, false, false));
+  EXPECT_EQ(row_contrast(habitat().left(), {100, 100, 0}), 0);
+  EXPECT_EQ(row_contrast(habitat().left(), {400, 100, 0}), 60);
+  EXPECT_EQ(row_contrast(habitat().left(), {639, 479, 0}), 60);
+  EXPECT_EQ(row_contrast(habitat().left(), {-1, 100, 0}), 0);
 }
 
 TEST_F(OperatorsTest, MutationMovesByItsDeviations) {
-  const Point3 parent = habitat().projection.triangulate({320, 240, 25});
+  const StereoPoint parent{320, 240, 25};
   double u = 0.0, uu = 0.0, dd = 0.0;
   for (int i = 0; i < kDraws; ++i) {
-    auto r = random(i);
-    const auto child =
-        habitat().projection.project(mutate(habitat(), {.image_px = 4, .disparity_px = 2}, 0.5, parent, r));
+    auto d = draws(i);
+    const auto child = mutate(habitat(), {.image_px = 4, .disparity_px = 2}, 0.5, parent, d);
     u += (child.u_px - 320) / kDraws;
     uu += std::pow(child.u_px - 320, 2) / kDraws;
     dd += std::pow(child.disparity_px - 25, 2) / kDraws;
@@ -150,18 +99,17 @@ TEST_F(OperatorsTest, MutationMovesByItsDeviations) {
 }
 
 TEST_F(OperatorsTest, MutationKeepsTheParentWhenNoChildFits) {
-  const Point3 outside{1.0, 0.0, 1.0};
-  auto r = random(0);
-  EXPECT_EQ(mutate(habitat(), {.image_px = 0, .disparity_px = 0}, 1.0, outside, r).x_m, outside.x_m);
+  const StereoPoint outside{-20, 100, 25};
+  auto d = draws(0);
+  EXPECT_EQ(mutate(habitat(), {.image_px = 0, .disparity_px = 0}, 1.0, outside, d).u_px, outside.u_px);
 }
 
-TEST(Cross, BearsAChildBetweenItsParents) {
-  for (std::uint32_t i = 0; i < 100; ++i) {
-    FlyRandom random(1, 0, 0, i);
-    const auto child = cross({10, -2, 0.5}, {20, 4, 1.5}, random);
-    const double share = (child.x_m - 10) / 10;
-    EXPECT_GE(share, 0.0);
-    EXPECT_LE(share, 1.0);
+TEST_F(OperatorsTest, CrossoverWalksEvenlyFromMotherToFather) {
+  const Point3 mother{10, -2, 0.5}, father{20, 4, 1.5};
+  for (const double share : {0.0, 0.25, 0.7, 1.0}) {
+    const auto child = habitat().point(
+        cross(habitat(), habitat().projection().project(mother), habitat().projection().project(father), share));
+    EXPECT_NEAR(child.x_m, 10 + 10 * share, 1e-9);
     EXPECT_NEAR(child.y_m, -2 + 6 * share, 1e-9);
     EXPECT_NEAR(child.z_m, 0.5 + share, 1e-9);
   }
@@ -172,15 +120,67 @@ TEST_F(OperatorsTest, SteeringDrawsOnTheObstacle) {
       {.x_m = 15, .y_m = 3, .range_m = 15.3, .width_m = 0.6, .height_m = 1.7, .box = {}}};
   double x = 0.0, y = 0.0;
   for (int i = 0; i < kDraws; ++i) {
-    auto r = random(i);
-    const auto p = steer(habitat(), obstacles, r);
+    auto d = draws(i);
+    const auto p = habitat().point(steer(habitat(), obstacles, d));
     x += p.x_m / kDraws;
     y += p.y_m / kDraws;
-    EXPECT_GE(p.z_m, FieldOptions{}.z_min_m);
-    EXPECT_LE(p.z_m, 1.7);
+    EXPECT_GE(p.z_m, FieldOptions{}.z_min_m - kRounding);
+    EXPECT_LE(p.z_m, 1.7 + kRounding);
   }
   EXPECT_NEAR(x, 15.0, kMeanTolerance);
   EXPECT_NEAR(y, 3.0, kMeanTolerance);
+}
+
+/// A camera that is not level over a road that is not flat, and images whose principal points differ.
+Habitat tilted_habitat() {
+  const StereoCamera camera{.fx_px = 700,
+                            .fy_px = 710,
+                            .cx_px = 320,
+                            .cx_right_px = 327,
+                            .cy_px = 240,
+                            .baseline_m = 0.5,
+                            .mount = {.height_m = 1.5, .pitch_rad = 0.05, .roll_rad = -0.03}};
+  return {Projection(camera), {nullptr, 640, 480, 640}, {.height_m = 0.1, .slope = 0.02, .bank = -0.03}, {}};
+}
+
+TEST(Habitat, LocatesFliesAsTheProjectionDoes) {
+  const auto habitat = tilted_habitat();
+  for (const StereoPoint& fly : {StereoPoint{0, 0, 3}, StereoPoint{300, 250, 20}, StereoPoint{639, 479, 90}}) {
+    const Point3 expected = habitat.projection().triangulate(fly), found = habitat.point(fly);
+    EXPECT_NEAR(found.x_m, expected.x_m, kRounding * expected.x_m);
+    EXPECT_NEAR(found.y_m, expected.y_m, kRounding * expected.x_m);
+    EXPECT_NEAR(found.z_m, expected.z_m, kRounding * expected.x_m);
+  }
+}
+
+TEST(Habitat, PutsFliesAtAHeightAboveTheRoad) {
+  const auto habitat = tilted_habitat();
+  for (const double height_m : {0.3, 1.7}) {
+    const auto fly = habitat.at_height(200, height_m, 12);
+    const Point3 point = habitat.point(fly);
+    EXPECT_EQ(fly.u_px, 200);
+    EXPECT_EQ(fly.disparity_px, 12);
+    EXPECT_NEAR(point.z_m - habitat.road().z_m(point.x_m, point.y_m), height_m, kRounding);
+  }
+}
+
+TEST(Habitat, HoldsWhatIsInTheFieldAndInTheImage) {
+  const auto habitat = tilted_habitat();
+  int held = 0;
+  for (int u = -50; u < 700; u += 25)
+    for (int v = -50; v < 530; v += 25)
+      for (double disparity_px = -20; disparity_px < 120; disparity_px += 3.3) {
+        const StereoPoint fly{1.0 * u, 1.0 * v, disparity_px};
+        const bool in_image = u >= 0 && u <= 639 && v >= 0 && v <= 479;
+        const bool before_infinity = disparity_px > habitat.projection().disparity_offset_px();
+        const bool expected = in_image && before_infinity &&
+                              in_field(habitat.field(), habitat.road(), habitat.projection().triangulate(fly));
+        EXPECT_EQ(habitat.holds(fly), expected) << u << ' ' << v << ' ' << disparity_px;
+        held += expected;
+      }
+  EXPECT_GT(held, 100);
+  EXPECT_FALSE(habitat.holds({std::nan(""), 240, 20}));
+  EXPECT_FALSE(habitat.holds({320, 240, std::nan("")}));
 }
 
 }  // namespace

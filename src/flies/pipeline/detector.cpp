@@ -37,14 +37,14 @@ Detection Detector::process(const RectifiedPair& pair) {
   return detection;
 }
 
-Detection Detector::detect(const RectifiedPair& pair) const {
+Detection Detector::detect(const RectifiedPair& pair) {
   const auto& [width_px, height_px] = std::pair(pair.left.width_px, pair.left.height_px);
   Detection d;
   d.road = timed(d.stage_ms, Stage::road, [&] { return estimate_road(pair, projection_, options_.road); });
   const RoadPlane& road = d.road.plane;
   d.evolved = timed(d.stage_ms, Stage::evolve, [&] {
-    return evolve(pair, projection_, road, options_.field, options_.fitness, options_.evolve, {options_.seed, frame_},
-                  last_obstacles_);
+    return evolver_.evolve(pair, projection_, road, options_.field, options_.fitness, options_.evolve,
+                           {options_.seed, frame_}, last_obstacles_);
   });
   d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
     return concentrate(d.evolved.flies, projection_, road, options_.field, options_.concentrate);

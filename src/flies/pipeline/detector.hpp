@@ -95,12 +95,13 @@ class Detector {
   const DetectorOptions& options() const { return options_; }
 
  private:
-  Detection detect(const RectifiedPair& pair) const;
+  Detection detect(const RectifiedPair& pair);
 
   StereoCamera camera_;
   Projection projection_;
   DetectorOptions options_;
   PeopleModel model_;
+  Evolver evolver_;
   std::vector<Obstacle> last_obstacles_;
   std::uint32_t frame_ = 0;
 };

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "flies/core/field.hpp"
+#include "flies/core/gray_view.hpp"
+#include "flies/core/road.hpp"
+#include "flies/core/stereo_camera.hpp"
+
+namespace flies {
+
+/// Where flies may live: in the field of detection and in the left image. Flies are places in the image here. Their
+/// coordinates in the vehicle frame are linear in (u, v), once multiplied by the nearness q = disparity minus that of
+/// infinity (METHOD section "Frames and projection", solved for the point), so that a test costs no division.
+class Habitat {
+ public:
+  Habitat(const Projection& projection, const GrayView& left, const RoadPlane& road, const FieldOptions& field);
+
+  /// True when the fly lies in the field and its left projection in the image; false when it is not finite.
+  bool holds(const StereoPoint& fly) const;
+
+  /// The fly in this column and of this disparity that is `height_m` above the road.
+  StereoPoint at_height(double u_px, double height_m, double disparity_px) const;
+
+  /// Position in the vehicle frame. The fly's disparity must exceed that of infinity.
+  Point3 point(const StereoPoint& fly) const;
+
+  const Projection& projection() const { return projection_; }
+  const GrayView& left() const { return left_; }
+  const RoadPlane& road() const { return road_; }
+  const FieldOptions& field() const { return field_; }
+
+ private:
+  /// A coordinate relative to the camera, times q, in metres times pixels.
+  struct Linear {
+    double constant = 0.0, per_u = 0.0, per_v = 0.0;
+    double at(const StereoPoint& fly) const { return constant + per_u * fly.u_px + per_v * fly.v_px; }
+  };
+
+  Projection projection_;
+  GrayView left_;
+  RoadPlane road_;
+  FieldOptions field_;
+  Linear x_, y_, z_, height_;
+  double camera_above_road_m_;
+};
+
+}  // namespace flies
