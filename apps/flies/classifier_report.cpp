@@ -143,7 +143,8 @@ std::string classifier_json(std::span<const ClassifierResult> results, const Cla
       }
       rates.push_back(std::move(entry));
     }
-    json["models"].push_back({{"model", result.model}, {"us_per_window", rounded(result.us_per_window)}, {"rates", rates}});
+    json["models"].push_back(
+        {{"model", result.model}, {"us_per_window", rounded(result.us_per_window)}, {"rates", rates}});
   }
   constexpr int kIndent = 2;
   return json.dump(kIndent, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -43,9 +43,7 @@ struct Axis {
   }
 };
 
-Axis across(double low, double high, bool is_logarithmic) {
-  return {low, high, kAxes.x, kAxes.br().x, is_logarithmic};
-}
+Axis across(double low, double high, bool is_logarithmic) { return {low, high, kAxes.x, kAxes.br().x, is_logarithmic}; }
 Axis upwards(double low, double high) { return {low, high, kAxes.br().y, kAxes.y, true}; }
 
 std::vector<double> linear_ticks(double low, double high) {
@@ -176,8 +174,8 @@ cv::Mat draw_score_histograms(const ScorePlot& plot) {
   put_outline(plot.positives, kPositiveColor);
   put_key(canvas, {kAxes.br().x - 250, kAxes.y + 18}, fmt::format("{} with a person", plot.positives.size()),
           kPositiveColor);
-  put_key(canvas, {kAxes.br().x - 250, kAxes.y + 18 + kKeyRow_px},
-          fmt::format("{} without", plot.negatives.size()), kNegativeColor);
+  put_key(canvas, {kAxes.br().x - 250, kAxes.y + 18 + kKeyRow_px}, fmt::format("{} without", plot.negatives.size()),
+          kNegativeColor);
   if (plot.threshold && std::isfinite(*plot.threshold) && *plot.threshold >= low && *plot.threshold <= high) {
     cv::line(canvas, {u.at(*plot.threshold), kAxes.y}, {u.at(*plot.threshold), kAxes.br().y}, kInk, 1);
     put_key(canvas, {kAxes.br().x - 250, kAxes.y + 18 + 2 * kKeyRow_px},

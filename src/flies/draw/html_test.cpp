@@ -5,7 +5,9 @@
 namespace flies {
 namespace {
 
-TEST(HtmlText, EscapesWhatHtmlReads) { EXPECT_EQ(html_text("<a href=\"x\"> & co"), "&lt;a href=&quot;x&quot;&gt; &amp; co"); }
+TEST(HtmlText, EscapesWhatHtmlReads) {
+  EXPECT_EQ(html_text("<a href=\"x\"> & co"), "&lt;a href=&quot;x&quot;&gt; &amp; co");
+}
 
 TEST(HtmlImage, HoldsThePictureInTheSaidFormat) {
   const cv::Mat picture(4, 5, CV_8UC3, cv::Scalar(10, 20, 30));

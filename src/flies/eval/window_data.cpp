@@ -61,9 +61,9 @@ std::vector<WindowSet> positive_sets(const fs::path& folder) {
 /// The picture as one window.
 ImageBox whole_window(const GrayView& image, const std::string& file) {
   if (2 * image.width_px != image.height_px)
-    throw InputError(file, "size",
-                     fmt::format("found {} x {} px, expected a window twice as high as wide", image.width_px,
-                                 image.height_px));
+    throw InputError(
+        file, "size",
+        fmt::format("found {} x {} px, expected a window twice as high as wide", image.width_px, image.height_px));
   return {0.0, 0.0, static_cast<double>(image.width_px), static_cast<double>(image.height_px)};
 }
 
@@ -129,8 +129,7 @@ std::vector<WindowScores> score_windows(const WindowData& data, std::span<const 
   for (int i = 0; i < pictures; ++i) {
     const GrayImage image = load_gray_image(data.negatives[static_cast<std::size_t>(i)]);
     const int count = sampling.negatives / pictures + (i < sampling.negatives % pictures ? 1 : 0);
-    const auto windows =
-        draw_windows(image.width_px, image.height_px, count, sampling, static_cast<std::uint32_t>(i));
+    const auto windows = draw_windows(image.width_px, image.height_px, count, sampling, static_cast<std::uint32_t>(i));
     has_any = has_any || !windows.empty();
     for (std::size_t c = 0; c < classifiers.size(); ++c)
       scores[c].negatives.push_back(scores_of(classifiers[c], image.view(), windows));

@@ -76,9 +76,8 @@ double quantile(std::vector<double>& values, double q) {
 /// Values of the resamples by [wanted rate][set].
 using Resampled = std::vector<std::vector<std::vector<double>>>;
 
-Resampled resample(const WindowScores& scores, std::span<const Negative> negatives,
-                   std::span<const Positive> positives, std::span<const double> wanted,
-                   const EstimateOptions& options) {
+Resampled resample(const WindowScores& scores, std::span<const Negative> negatives, std::span<const Positive> positives,
+                   std::span<const double> wanted, const EstimateOptions& options) {
   const std::size_t sets = scores.positives.size(), pictures = scores.negatives.size();
   Resampled values(wanted.size(), std::vector<std::vector<double>>(sets + 1));
   for (int k = 0; k < options.resamples; ++k) {

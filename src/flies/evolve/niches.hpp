@@ -7,6 +7,7 @@
 
 #include "flies/core/fly.hpp"
 #include "flies/evolve/evolve_options.hpp"
+#include "flies/evolve/kernels/rivals.hpp"
 
 /// The operators that look at the whole population (METHOD section "Evolution"): sharing, uniqueness, selection. Each
 /// writes into vectors of its caller, which keep their memory from call to call.
@@ -31,12 +32,9 @@ void share_fitness(std::span<const float> fitness, std::span<const float> crowdi
 
 /// Memory of `find_rivalled`. The cells have no fitness between calls.
 struct UniquenessGrid {
-  /// What a fly looks at in one of the images.
-  struct Look {
-    float fitness = 0.0F, u_px = 0.0F, v_px = 0.0F, disparity_px = 0.0F;
-  };
-  std::vector<Look> fittest;  ///< of each cell
-  std::vector<std::uint32_t> cell_of_fly;
+  std::vector<kernels::Look> fittest;  ///< of each cell
+  std::vector<kernels::Look> looks;
+  std::vector<std::uint32_t> cell_of_fly, listed;
 };
 
 /// Uniqueness: a pixel shows one surface. For every fly, whether a fitter fly of clearly other disparity looks at

@@ -33,8 +33,7 @@ std::vector<T> called_twice(const Call& call) {
 
 std::vector<float> crowding(const ImagePopulation& flies, int cell_px) {
   CrowdingGrid grid;
-  return called_twice<float>(
-      [&](auto& result) { find_crowding(flies, kWidth_px, kHeight_px, cell_px, grid, result); });
+  return called_twice<float>([&](auto& result) { find_crowding(flies, kWidth_px, kHeight_px, cell_px, grid, result); });
 }
 
 std::vector<std::uint8_t> rivalled(const ImagePopulation& flies, const UniquenessOptions& options = {}) {
@@ -60,8 +59,8 @@ TEST(FindCrowding, CountsOwnCellTwiceAndFourNeighboursOnce) {
 }
 
 TEST(FindCrowding, LeavesFliesOutsideTheImageAlone) {
-  const auto flies = flies_at({{-1, 100, 9}, {100, 481, 9}, {std::nan(""), 5, 9}, {0, 0, 9}, {639, 479, 9}},
-                              {1, 1, 1, 1, 1});
+  const auto flies =
+      flies_at({{-1, 100, 9}, {100, 481, 9}, {std::nan(""), 5, 9}, {0, 0, 9}, {639, 479, 9}}, {1, 1, 1, 1, 1});
   EXPECT_THAT(crowding(flies, 10), testing::Each(1.0F));
 }
 
