@@ -45,10 +45,9 @@ void run(const flies::GrayPair& images, const flies::StereoCamera& camera) {
   std::printf("propose: %zu boxes\n", rois.size());
 
   // 5. The classifier scores the boxes; of boxes that show the same person the surest is kept.
-  const flies::PeopleModel model = flies::builtin_people_model();
-  const auto scores = flies::score_rois(pair.left, rois, model);
-  const auto pedestrians = flies::suppress_in_metres(rois, scores, model, options.classify);
-  std::printf("classify: %zu pedestrians with the model %s\n", pedestrians.size(), model.name.c_str());
+  const auto classifier = flies::default_people_classifier();
+  const auto pedestrians = flies::find_people(pair.left, rois, *classifier, options.classify).pedestrians;
+  std::printf("classify: %zu pedestrians with the model %s\n", pedestrians.size(), classifier->name().c_str());
 
   std::printf("%zu obstacles, %zu pedestrians\n", concentrated.obstacles.size(), pedestrians.size());
 }

@@ -94,8 +94,8 @@ void write_frame(const ProcessedFrame& frame, const std::string& name, const Det
 
 void run_detect(const DetectArguments& arguments) {
   const flies::DetectorOptions options = effective_options(arguments.method);
-  const flies::PeopleModel model =
-      arguments.model.empty() ? flies::builtin_people_model() : flies::people_model(arguments.model);
+  const auto classifier =
+      arguments.model.empty() ? flies::default_people_classifier() : flies::people_classifier(arguments.model);
   const auto pairs = flies::find_pairs(arguments.left, arguments.right);
   const bool is_single = pairs.size() == 1;
   check_outputs(arguments.outputs, pairs, other_inputs(arguments));
@@ -126,7 +126,7 @@ void run_detect(const DetectArguments& arguments) {
     if (i == 0) {
       calibration.camera.width_px = pair.left.width_px;
       calibration.camera.height_px = pair.left.height_px;
-      detector.emplace(calibration.camera, options, model);
+      detector.emplace(calibration.camera, options, classifier);
     }
 
     flies::check_true_pair(pair, calibration.camera, left_path, right_path);

@@ -12,7 +12,7 @@
 
 #include "commands.hpp"
 #include "evaluation_report.hpp"
-#include "flies/classify/people_model.hpp"
+#include "flies/classify/people_classifier.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
 #include "flies/eval/dataset.hpp"
@@ -72,7 +72,8 @@ std::vector<std::size_t> frames_of(const EvaluateArguments& arguments, std::size
 
 /// What is held against the method: a dense matcher or another preset.
 flies::Method yardstick(const std::string& name, const flies::DetectorOptions& options,
-                        const EvaluateArguments& arguments, const flies::PeopleModel& model, bool is_sequence) {
+                        const EvaluateArguments& arguments,
+                        const std::shared_ptr<const flies::PeopleClassifier>& classifier, bool is_sequence) {
   constexpr const auto& kMatchers = flies::EnumNames<flies::DenseMatcher>::names;
   constexpr const auto& kPresets = flies::EnumNames<flies::Preset>::names;
   if (const auto matcher = std::find(kMatchers.begin(), kMatchers.end(), name); matcher != kMatchers.end())
@@ -85,17 +86,17 @@ flies::Method yardstick(const std::string& name, const flies::DetectorOptions& o
   flies::DetectorOptions of_preset = flies::preset_options(static_cast<flies::Preset>(preset - kPresets.begin()));
   of_preset.seed = options.seed;
   of_preset.threads = options.threads;
-  return flies::flies_method(name, of_preset, arguments.seeds, model, is_sequence);
+  return flies::flies_method(name, of_preset, arguments.seeds, classifier, is_sequence);
 }
 
 std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const flies::DetectorOptions& options,
                                       const flies::Dataset& dataset) {
-  const flies::PeopleModel model =
-      arguments.model.empty() ? flies::builtin_people_model() : flies::people_model(arguments.model);
+  const auto classifier =
+      arguments.model.empty() ? flies::default_people_classifier() : flies::people_classifier(arguments.model);
   std::vector<flies::Method> methods;
   if (arguments.detections.empty()) {
     methods.push_back(
-        flies::flies_method(arguments.method.preset, options, arguments.seeds, model, dataset.is_sequence));
+        flies::flies_method(arguments.method.preset, options, arguments.seeds, classifier, dataset.is_sequence));
   } else {
     std::vector<std::vector<flies::ReportedFrame>> runs;
     for (const auto& file : arguments.detections)
@@ -103,7 +104,7 @@ std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const 
     methods.push_back(flies::reported_method("reported", std::move(runs)));
   }
   for (const auto& name : arguments.yardsticks)
-    methods.push_back(yardstick(name, options, arguments, model, dataset.is_sequence));
+    methods.push_back(yardstick(name, options, arguments, classifier, dataset.is_sequence));
   return methods;
 }
 

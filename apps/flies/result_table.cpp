@@ -23,7 +23,7 @@ std::string result_table(const flies::FrameRecord& record) {
                          o.range_m, o.width_m, o.height_m, o.score);
   for (const auto& p : record.pedestrians)
     table += fmt::format("{:<12}{:>8.2f}{:>8.2f}{:>11.2f}{:>11}{:>12.2f}{:>9.3g}\n", "pedestrian", p.x_m, p.y_m,
-                         p.range_m, "", p.height_m, p.score);
+                         p.range_m, "", p.height_m, p.probability);
   table += fmt::format("{:.0f} ms:", std::accumulate(record.stage_ms.begin(), record.stage_ms.end(), 0.0));
   for (std::size_t i = 0; i < flies::kStageCount; ++i)
     table += fmt::format(" {} {:.1f}", flies::kStageNames[i], record.stage_ms[i]);

@@ -293,13 +293,13 @@ std::vector<BadInput> bad_inputs() {
       {"SeedNegative", with_words({"--seed", "-1"}), {"seed", "-1"}},
       {"EmptyField", with_words({"--field.x_min_m", "30", "--field.x_max_m", "20"}), {"x_m"}},
       {"UnknownPreset", with_words({"--preset", "fast"}), {"--preset", "fast", "default|paper"}},
-      {"MissingModel", with_words({"--model", "gone.yaml"}), {"gone.yaml", "opencv-48x96"}},
+      {"MissingModel", with_words({"--model", "gone.json"}), {"gone.json", "opencv-48x96"}},
       {"ModelIsNoModel",
        [](const fs::path& f) {
-         write_text(f / "model.yaml", "name: nobody\n");
-         return detect({"--model", "model.yaml"});
+         write_text(f / "model.json", "{\"name\": \"nobody\"}\n");
+         return detect({"--model", "model.json"});
        },
-       {"model.yaml"}},
+       {"model.json", "format"}},
       {"MissingArgument",
        [](const fs::path&) {
          return Words{"detect", "left.png"};

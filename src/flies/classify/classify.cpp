@@ -1,68 +1,11 @@
 #include "flies/classify/classify.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
-#include <numeric>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/objdetect.hpp>
 
 namespace flies {
 namespace {
-
-/// Pixels kept around the window after resizing, so that the gradients at its edge are real.
-constexpr int kMargin_px = 1;
-/// Below this there is nothing to see: resizing would invent all pixels.
-constexpr double kMinWindow_px = 4.0;
-/// Beyond this many times the image the window holds nothing but repeated border.
-constexpr double kMaxWindowPerImage = 8.0;
-
-cv::HOGDescriptor hog_of(const PeopleModel& model) {
-  constexpr int kAperture = 1;
-  constexpr double kSigmaFromBlock = -1.0;
-  constexpr double kClip = 0.2;  // Dalal and Triggs' L2-Hys
-  return cv::HOGDescriptor({model.window_width_px, model.window_height_px}, {model.block_px, model.block_px},
-                           {model.stride_px, model.stride_px}, {model.cell_px, model.cell_px}, model.bins, kAperture,
-                           kSigmaFromBlock, cv::HOGDescriptor::L2Hys, kClip, model.gamma);
-}
-
-bool worth_a_look(const ImageBox& box, const cv::Size& image) {
-  const bool finite =
-      std::isfinite(box.u_px) && std::isfinite(box.v_px) && std::isfinite(box.width_px) && std::isfinite(box.height_px);
-  const bool sized = box.width_px >= kMinWindow_px / 2.0 && box.height_px >= kMinWindow_px &&
-                     box.width_px <= kMaxWindowPerImage * image.width &&
-                     box.height_px <= kMaxWindowPerImage * image.height;
-  return finite && sized && box.u_px < image.width && box.v_px < image.height && box.u_px + box.width_px > 0.0 &&
-         box.v_px + box.height_px > 0.0;
-}
-
-/// The box and its margin, resized so that the box has the model's size.
-cv::Mat window_pixels(const cv::Mat& image, const ImageBox& box, const PeopleModel& model) {
-  const double margin_u_px = kMargin_px * box.width_px / model.window_width_px;
-  const double margin_v_px = kMargin_px * box.height_px / model.window_height_px;
-  const int left = cvFloor(box.u_px - margin_u_px), right = cvCeil(box.u_px + box.width_px + margin_u_px);
-  const int top = cvFloor(box.v_px - margin_v_px), bottom = cvCeil(box.v_px + box.height_px + margin_v_px);
-  const cv::Rect wanted(left, top, right - left, bottom - top);
-  const cv::Rect inside = wanted & cv::Rect({}, image.size());
-  cv::Mat crop = image(inside);
-  if (inside != wanted)
-    cv::copyMakeBorder(image(inside), crop, inside.y - top, bottom - inside.br().y, inside.x - left,
-                       right - inside.br().x, cv::BORDER_REPLICATE);
-  cv::Mat pixels;
-  cv::resize(crop, pixels, {model.window_width_px + 2 * kMargin_px, model.window_height_px + 2 * kMargin_px}, 0, 0,
-             box.height_px > model.window_height_px ? cv::INTER_AREA : cv::INTER_LINEAR);
-  return pixels;
-}
-
-double score_window(const cv::Mat& image, const ImageBox& box, const PeopleModel& model, const cv::HOGDescriptor& hog) {
-  if (!worth_a_look(box, image.size())) return -std::numeric_limits<double>::infinity();
-  std::vector<float> features;
-  hog.compute(window_pixels(image, box, model), features, {}, {}, {{kMargin_px, kMargin_px}});
-  return std::inner_product(features.begin(), features.end(), model.weights.begin(), model.bias);
-}
 
 /// Share of the smaller box that the other one covers.
 double overlap(const ImageBox& a, const ImageBox& b) {
@@ -75,45 +18,63 @@ double overlap(const ImageBox& a, const ImageBox& b) {
 /// Whether the two verdicts speak of one person. Side by side people differ across the line of sight; in depth the
 /// obstacles of one person scatter, so the radius grows with range, and boxes that cover the same part of the image
 /// are one person at any range: nobody is seen through another.
-bool same_person(const Pedestrian& a, const Pedestrian& b, const ClassifyOptions& options) {
-  if (overlap(a.box, b.box) > options.max_overlap) return true;
+bool same_person(const Roi& a, const Roi& b, const ClassifyOptions& options) {
+  if (overlap(a.person, b.person) > options.max_overlap) return true;
+  const double a_range_m = std::hypot(a.x_m, a.y_m), b_range_m = std::hypot(b.x_m, b.y_m);
   const double across_m =
-      std::abs(std::atan2(a.y_m, a.x_m) - std::atan2(b.y_m, b.x_m)) * std::min(a.range_m, b.range_m);
-  const double deep_m = std::abs(a.range_m - b.range_m);
-  return across_m < options.lateral_radius_m && deep_m < options.depth_radius * std::max(a.range_m, b.range_m);
+      std::abs(std::atan2(a.y_m, a.x_m) - std::atan2(b.y_m, b.x_m)) * std::min(a_range_m, b_range_m);
+  const double deep_m = std::abs(a_range_m - b_range_m);
+  return across_m < options.lateral_radius_m && deep_m < options.depth_radius * std::max(a_range_m, b_range_m);
+}
+
+std::vector<ImageBox> windows_of(std::span<const Roi> rois) {
+  std::vector<ImageBox> windows;
+  for (const Roi& roi : rois) windows.push_back(roi.window);
+  return windows;
 }
 
 }  // namespace
 
-std::vector<double> score_rois(const GrayView& left, std::span<const Roi> rois, const PeopleModel& model) {
-  check_people_model(model, model.name.empty() ? "people model" : model.name);
-  const cv::Mat image(left.height_px, left.width_px, CV_8UC1, const_cast<std::uint8_t*>(left.data),
-                      static_cast<std::size_t>(left.stride));
-  const cv::HOGDescriptor hog = hog_of(model);
-  std::vector<double> scores(rois.size());
-  tbb::parallel_for(std::size_t{0}, rois.size(),
-                    [&](std::size_t i) { scores[i] = score_window(image, rois[i].window, model, hog); });
-  return scores;
+double report_threshold(const PeopleClassifier& classifier, const ClassifyOptions& options) {
+  const double odds = classifier.threshold() / (1.0 - classifier.threshold()) * std::exp(options.threshold_offset);
+  return std::isinf(odds) ? 1.0 : odds / (1.0 + odds);
 }
 
-std::vector<Pedestrian> suppress_in_metres(std::span<const Roi> rois, std::span<const double> scores,
-                                           const PeopleModel& model, const ClassifyOptions& options) {
-  assert(rois.size() == scores.size());
-  const double threshold = model.threshold + options.threshold_offset;
-  std::vector<Pedestrian> verdicts;
+std::vector<std::size_t> suppress_in_metres(std::span<const Roi> rois, std::span<const double> probabilities,
+                                            double threshold, const ClassifyOptions& options) {
+  assert(rois.size() == probabilities.size());
+  std::vector<std::size_t> order;
   for (std::size_t i = 0; i < rois.size(); ++i)
-    if (scores[i] > threshold)
-      verdicts.push_back({rois[i].x_m, rois[i].y_m, std::hypot(rois[i].x_m, rois[i].y_m), rois[i].height_m, scores[i],
-                          rois[i].person});
-  std::stable_sort(verdicts.begin(), verdicts.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+    if (probabilities[i] > threshold) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return probabilities[a] > probabilities[b]; });
+  std::vector<std::size_t> kept;
+  for (const std::size_t i : order)
+    if (std::none_of(kept.begin(), kept.end(),
+                     [&](std::size_t surer) { return same_person(rois[surer], rois[i], options); }))
+      kept.push_back(i);
+  return kept;
+}
 
-  std::vector<Pedestrian> people;
-  for (const Pedestrian& verdict : verdicts)
-    if (std::none_of(people.begin(), people.end(),
-                     [&](const Pedestrian& surer) { return same_person(surer, verdict, options); }))
-      people.push_back(verdict);
-  std::stable_sort(people.begin(), people.end(), [](const auto& a, const auto& b) { return a.range_m < b.range_m; });
-  return people;
+ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, const PeopleClassifier& classifier,
+                           const ClassifyOptions& options) {
+  ClassifyResult result;
+  result.screened = classifier.screen(left, windows_of(rois));
+  const double threshold = report_threshold(classifier, options);
+  const double first_threshold = std::min(threshold, classifier.screen_threshold());
+
+  std::vector<Roi> candidates;
+  for (const std::size_t i : suppress_in_metres(rois, result.screened, first_threshold, options))
+    candidates.push_back(rois[i]);
+  const auto probabilities = classifier.classify(left, windows_of(candidates));
+  for (const std::size_t i : suppress_in_metres(candidates, probabilities, threshold, options)) {
+    const Roi& roi = candidates[i];
+    result.pedestrians.push_back(
+        {roi.x_m, roi.y_m, std::hypot(roi.x_m, roi.y_m), roi.height_m, probabilities[i], roi.person});
+  }
+  std::stable_sort(result.pedestrians.begin(), result.pedestrians.end(),
+                   [](const auto& a, const auto& b) { return a.range_m < b.range_m; });
+  return result;
 }
 
 }  // namespace flies

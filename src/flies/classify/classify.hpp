@@ -1,9 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "flies/classify/people_model.hpp"
+#include "flies/classify/people_classifier.hpp"
 #include "flies/core/gray_view.hpp"
 #include "flies/core/options.hpp"
 #include "flies/core/results.hpp"
@@ -20,7 +21,7 @@ struct ClassifyOptions {
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("threshold_offset", self.threshold_offset, Range{-100.0, 100.0},
-          "added to the model's threshold: higher reports fewer people and fewer false alarms");
+          "added to the model's threshold, in log-odds: higher reports fewer people and fewer false alarms");
     field("lateral_radius_m", self.lateral_radius_m, Range{0.0, 5.0},
           "of two verdicts closer than this across the line of sight, and close in depth, the surer is kept");
     field("depth_radius", self.depth_radius, Range{0.0, 1.0},
@@ -31,19 +32,26 @@ struct ClassifyOptions {
   }
 };
 
-/// Scores every window with the model: crop, resize to the model's window, features, dot product (METHOD section 5).
-/// Where a window leaves the image, the border pixels are repeated.
-/// @param left the left image, with pixels
-/// @returns one score per ROI; `-infinity` for a window without area, not finite, or wholly outside the image
+struct ClassifyResult {
+  std::vector<double> screened;         ///< the classifier's first look: one probability per ROI
+  std::vector<Pedestrian> pedestrians;  ///< nearest first
+};
+
+/// Finds the people among the boxes (METHOD section 5): a cheap look at all of them, the surest box at each place on
+/// the ground, the classifier's last word on those.
+/// @param left the image that the boxes belong to, with pixels
 /// Threads: runs on oneTBB's current arena; results do not depend on the number of threads.
-/// @throws InputError when the model is inconsistent
-std::vector<double> score_rois(const GrayView& left, std::span<const Roi> rois, const PeopleModel& model);
+ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, const PeopleClassifier& classifier,
+                           const ClassifyOptions& options);
+
+/// The probability above which a window is reported: the classifier's threshold with `options.threshold_offset`.
+double report_threshold(const PeopleClassifier& classifier, const ClassifyOptions& options);
 
 /// One verdict per person: ROI above the threshold compete, the surest first, with those that stand at the same place
 /// on the ground or cover the same part of the image.
-/// @param scores one per ROI
-/// @returns nearest first
-std::vector<Pedestrian> suppress_in_metres(std::span<const Roi> rois, std::span<const double> scores,
-                                           const PeopleModel& model, const ClassifyOptions& options);
+/// @param probabilities one per ROI
+/// @returns indices of the ROI that are kept, the surest first
+std::vector<std::size_t> suppress_in_metres(std::span<const Roi> rois, std::span<const double> probabilities,
+                                            double threshold, const ClassifyOptions& options);
 
 }  // namespace flies

@@ -1,51 +1,95 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
+#include <limits>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include "flies/classify/hog.hpp"
 
 namespace flies {
 
-/// A linear support vector machine on histograms of oriented gradients (Dalal and Triggs 2005): plain values.
-/// The score of a window is `bias + sum_k weights[k] * feature[k]`, features in the order of `cv::HOGDescriptor`.
-struct PeopleModel {
-  std::string name;          ///< names the model in errors
-  int window_width_px = 48;  ///< windows are resized to this before their features are computed; aspect 1:2
-  int window_height_px = 96;
-  int block_px = 16;           ///< square blocks of cells, normalised together
-  int stride_px = 8;           ///< from one block to the next, both ways
-  int cell_px = 8;             ///< square cells; a block holds a whole number of them
-  int bins = 9;                ///< unsigned orientations over 180 degrees
-  bool gamma = true;           ///< square-root compression of grey levels before the gradients
-  std::vector<float> weights;  ///< `feature_count(*this)` of them
-  double bias = 0.0;
-  double threshold = 0.0;  ///< a window is a person when its score exceeds this
+/// Rows of equal length, one after the other.
+struct Matrix {
+  std::size_t rows = 0;
+  std::size_t columns = 0;
+  std::vector<float> values;
+
+  std::span<const float> row(std::size_t i) const { return {values.data() + i * columns, columns}; }
 };
 
-/// Length of the feature vector that the model's geometry gives.
-/// The geometry must be consistent: see `check_people_model`.
-std::size_t feature_count(const PeopleModel& model);
+/// From a score to the probability that the window shows a person: 1 / (1 + exp(-(slope * score + offset)))
+/// (Platt 1999).
+struct ScoreCalibration {
+  double slope = 1.0;  ///< > 0, so that a higher score is a higher probability
+  double offset = 0.0;
+};
 
-/// Checks geometry (window 1:2, blocks that tile it, cells that tile a block), weight count and that all is finite.
+/// A linear support vector machine: score = bias + weights . features.
+struct LinearStage {
+  std::vector<float> weights;  ///< `feature_count` of them
+  double bias = 0.0;
+  ScoreCalibration calibration;
+  /// Windows that score less are not shown to the second stage. Without a second stage it has no effect.
+  double reject_below = -std::numeric_limits<double>::infinity();
+};
+
+/// A support vector machine with a Gaussian kernel on a linear projection of the features:
+/// score = bias + sum_i coefficients[i] * exp(-gamma * |projection * (features - mean) - support_vectors[i]|^2).
+struct KernelStage {
+  std::vector<float> mean;          ///< `feature_count` of them
+  Matrix projection;                ///< k x feature_count; 0 rows: the features themselves, less their mean
+  Matrix support_vectors;           ///< n x k, or n x feature_count without a projection
+  std::vector<float> coefficients;  ///< n
+  double gamma = 1.0;               ///< > 0
+  double bias = 0.0;
+  ScoreCalibration calibration;
+};
+
+/// A people classifier on histograms of oriented gradients: plain values. A linear machine, and behind it, where there
+/// is one, a kernel machine for the windows that the linear one does not reject.
+struct PeopleModel {
+  std::string name;  ///< names the model in errors
+  HogGeometry hog;
+  LinearStage linear;
+  std::optional<KernelStage> kernel;
+  double threshold = 0.5;  ///< a window is a person when its probability exceeds this; 0 to 1
+  /// Training data, metrics, licence, in words: pairs of a key and a text, in the order they are shown.
+  std::vector<std::pair<std::string, std::string>> about;
+};
+
+/// Checks geometry, the length of every list and that all is finite.
 /// @throws InputError naming `source` and the field
 void check_people_model(const PeopleModel& model, const std::string& source);
 
-/// The default: the people detector of 48 x 96 px that comes with OpenCV, trained on the Daimler data.
-PeopleModel builtin_people_model();
+/// `bias + weights . features`
+double linear_score(const LinearStage& stage, std::span<const float> features);
+double kernel_score(const KernelStage& stage, std::span<const float> features);
+double probability(const ScoreCalibration& calibration, double score);
 
-/// Finds a model: `opencv-48x96` (the default), `opencv-64x128` (OpenCV's other people detector, trained on INRIA
-/// data; needs taller people), otherwise the path of a model file.
-/// @throws InputError as `load_people_model`; for a name that is no file the message lists the names
+/// A probability that the linear stage has reached its verdict with: windows that it rejects share what is below,
+/// windows that the second stage has seen share what is above. So the order of windows, and every curve drawn over it,
+/// is well defined: whatever was rejected comes after whatever was not.
+inline constexpr double kRejectedProbability = 1e-3;
+
+/// The verdict on one window, 0 to 1, by both stages.
+/// @param features `feature_count(model.hog)` of them
+double person_probability(const PeopleModel& model, std::span<const float> features);
+
+/// The same from the score of the linear stage alone; with a second stage only for windows that the first one rejects.
+double linear_probability(const PeopleModel& model, double score);
+
+/// The people detector of 48 x 96 px that comes with OpenCV, trained on the Daimler data.
+PeopleModel opencv_48x96();
+/// OpenCV's other people detector, 64 x 128 px, trained on INRIA data; needs taller people.
+PeopleModel opencv_64x128();
+
+/// Finds a model by its name, `opencv-48x96` or `opencv-64x128`, or reads the file at this path.
+/// @throws InputError as `read_people_model`; for a name that is no file the message lists the names
 PeopleModel people_model(std::string_view name_or_path);
-
-/// Reads a model file as written by `people_model_yaml`.
-/// @throws InputError naming the file and the field: unreadable, not YAML, missing or unknown key, wrong type, wrong
-///         number of weights, a number that is not finite
-PeopleModel load_people_model(const std::filesystem::path& path);
-
-/// The model as YAML text that reads back to the same values.
-std::string people_model_yaml(const PeopleModel& model);
 
 }  // namespace flies

@@ -31,9 +31,9 @@ struct Pedestrian {
   double x_m = 0.0;
   double y_m = 0.0;
   double range_m = 0.0;
-  double height_m = 0.0;  ///< head above feet; one of the heights that were tried, so in steps
-  double score = 0.0;     ///< of the classifier, larger is surer; its scale depends on the model
-  ImageBox box;           ///< tight around the person, head to feet
+  double height_m = 0.0;     ///< head above feet
+  double probability = 0.0;  ///< that this is a person, by the classifier
+  ImageBox box;              ///< tight around the person, head to feet
 };
 
 /// The stages of the pipeline in order. Their names key the timings in JSON, the benchmark rows and the docs.

@@ -36,7 +36,7 @@ Obstacle obstacle_at(double x_m, double y_m, ImageBox box = {100, 30, 40, 60}) {
 }
 
 Pedestrian pedestrian_at(double x_m, double y_m, ImageBox box = {200, 30, 20, 50}) {
-  return {.x_m = x_m, .y_m = y_m, .range_m = std::hypot(x_m, y_m), .height_m = 1.7, .score = 1, .box = box};
+  return {.x_m = x_m, .y_m = y_m, .range_m = std::hypot(x_m, y_m), .height_m = 1.7, .probability = 1, .box = box};
 }
 
 bool is_red(const cv::Vec3b& bgr) { return bgr[2] > 150 && bgr[0] < 80 && bgr[1] < 110; }

@@ -64,8 +64,8 @@ void count_objects(const std::vector<FrameTruth>& truths, const MatchOptions& ma
 
 }  // namespace
 
-Method flies_method(const std::string& name, const DetectorOptions& options, int seeds, const PeopleModel& model,
-                    bool is_sequence) {
+Method flies_method(const std::string& name, const DetectorOptions& options, int seeds,
+                    std::shared_ptr<const PeopleClassifier> classifier, bool is_sequence) {
   Method method{name, {}};
   for (int i = 0; i < seeds; ++i) {
     DetectorOptions of_run = options;
@@ -73,7 +73,7 @@ Method flies_method(const std::string& name, const DetectorOptions& options, int
     // Shared, because copies of a function must not go on from different pairs.
     const auto detector = std::make_shared<std::optional<Detector>>();
     method.runs.push_back([=](std::size_t, const TruthFrame& frame) {
-      if (!*detector || !is_sequence) detector->emplace(frame.camera, of_run, model);
+      if (!*detector || !is_sequence) detector->emplace(frame.camera, of_run, classifier);
       const Detection d = (*detector)->process(frame.images.view());
       return Findings{d.obstacles,
                       stage_ms(d, Stage::road) + stage_ms(d, Stage::evolve) + stage_ms(d, Stage::concentrate),

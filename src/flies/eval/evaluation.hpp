@@ -4,12 +4,13 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "flies/classify/people_model.hpp"
+#include "flies/classify/people_classifier.hpp"
 #include "flies/core/results.hpp"
 #include "flies/eval/dataset.hpp"
 #include "flies/eval/detections.hpp"
@@ -36,8 +37,8 @@ struct Method {
 };
 
 /// The detector with seeds `options.seed`, `options.seed` + 1, ... On a sequence, each pair steers the next one.
-Method flies_method(const std::string& name, const DetectorOptions& options, int seeds, const PeopleModel& model,
-                    bool is_sequence);
+Method flies_method(const std::string& name, const DetectorOptions& options, int seeds,
+                    std::shared_ptr<const PeopleClassifier> classifier, bool is_sequence);
 
 /// Dense matching as a yardstick; without random numbers, so one run.
 Method dense_method(DenseMatcher matcher, const DetectorOptions& options, const DenseOptions& dense = {});

@@ -115,7 +115,7 @@ TEST(FliesMethod, RunsSeedsThatDifferAndRepeatThemselves) {
   options.evolve.flies = 200;
   options.evolve.generations = 1;
   const TruthFrame frame = made_up_dataset(1).load(0);
-  const Method method = flies_method("default", options, 2, builtin_people_model(), false);
+  const Method method = flies_method("default", options, 2, default_people_classifier(), false);
   ASSERT_EQ(method.runs.size(), 2u);
   const Findings first = method.runs[0](0, frame);
   EXPECT_GE(first.evaluations.value(), 200.0);

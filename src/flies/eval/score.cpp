@@ -96,7 +96,7 @@ std::vector<Obstacle> as_obstacles(std::span<const Pedestrian> pedestrians) {
     obstacle.y_m = p.y_m;
     obstacle.range_m = p.range_m;
     obstacle.height_m = p.height_m;
-    obstacle.score = p.score;
+    obstacle.score = p.probability;
     obstacle.box = p.box;
     obstacles.push_back(obstacle);
   }

@@ -47,9 +47,12 @@ Json object_of(const Obstacle& obstacle) {
 }
 
 Json object_of(const Pedestrian& pedestrian) {
-  return {{"x_m", metres(pedestrian.x_m)},         {"y_m", metres(pedestrian.y_m)},
-          {"range_m", metres(pedestrian.range_m)}, {"height_m", metres(pedestrian.height_m)},
-          {"score", score_of(pedestrian.score)},   {"box", box_of(pedestrian.box)}};
+  return {{"x_m", metres(pedestrian.x_m)},
+          {"y_m", metres(pedestrian.y_m)},
+          {"range_m", metres(pedestrian.range_m)},
+          {"height_m", metres(pedestrian.height_m)},
+          {"probability", score_of(pedestrian.probability)},
+          {"box", box_of(pedestrian.box)}};
 }
 
 template <class Item>

@@ -20,11 +20,11 @@ auto timed(StageTimes_ms& stage_ms, Stage stage, const Run& run) {
 
 }  // namespace
 
-Detector::Detector(const StereoCamera& camera, const DetectorOptions& options, PeopleModel model)
-    : camera_(camera), projection_(camera), options_(options), model_(std::move(model)) {
+Detector::Detector(const StereoCamera& camera, const DetectorOptions& options,
+                   std::shared_ptr<const PeopleClassifier> classifier)
+    : camera_(camera), projection_(camera), options_(options), classifier_(std::move(classifier)) {
   check_camera(camera_, "camera");
   check_detector_options(options_, "options");
-  check_people_model(model_, model_.name);
 }
 
 Detection Detector::process(const RectifiedPair& pair) {
@@ -53,8 +53,9 @@ Detection Detector::detect(const RectifiedPair& pair) {
   d.rois = timed(d.stage_ms, Stage::propose,
                  [&] { return propose_rois(d.obstacles, projection_, road, width_px, height_px, options_.propose); });
   d.pedestrians = timed(d.stage_ms, Stage::classify, [&] {
-    d.roi_scores = score_rois(pair.left, d.rois, model_);
-    return suppress_in_metres(d.rois, d.roi_scores, model_, options_.classify);
+    ClassifyResult people = find_people(pair.left, d.rois, *classifier_, options_.classify);
+    d.roi_scores = std::move(people.screened);
+    return std::move(people.pedestrians);
   });
   return d;
 }

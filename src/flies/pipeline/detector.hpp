@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -74,18 +75,18 @@ struct Detection {
   EvolveResult evolved;           ///< flies after the last generation, scored
   ConcentrateResult concentrate;  ///< its `obstacles` are those above
   std::vector<Roi> rois;
-  std::vector<double> roi_scores;  ///< of the classifier, one per ROI
+  std::vector<double> roi_scores;  ///< the classifier's first look: one probability per ROI
 };
 
 /// Finds obstacles and pedestrians in rectified pairs of one camera. What it remembers from pair to pair: their count,
 /// so that each gets random numbers of its own, and the obstacles of the last one, which may steer the flies of the
 /// next
-/// (`evolve.steering_share`). The n-th call is a function of the pairs so far, camera, options and model.
+/// (`evolve.steering_share`). The n-th call is a function of the pairs so far, camera, options and classifier.
 class Detector {
  public:
   /// @throws InputError when the camera or an option is out of range
   explicit Detector(const StereoCamera& camera, const DetectorOptions& options = {},
-                    PeopleModel model = builtin_people_model());
+                    std::shared_ptr<const PeopleClassifier> classifier = default_people_classifier());
 
   /// @param pair of the size the camera was calibrated for
   /// @throws InputError when the images are empty, differ in size or do not fit the camera
@@ -100,7 +101,7 @@ class Detector {
   StereoCamera camera_;
   Projection projection_;
   DetectorOptions options_;
-  PeopleModel model_;
+  std::shared_ptr<const PeopleClassifier> classifier_;
   Evolver evolver_;
   std::vector<Obstacle> last_obstacles_;
   std::uint32_t frame_ = 0;

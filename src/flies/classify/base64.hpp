@@ -1,0 +1,15 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace flies {
+
+/// Bytes as text (RFC 4648, with padding).
+std::string to_base64(std::string_view bytes);
+
+/// The bytes; empty when `text` is not what `to_base64` writes.
+std::optional<std::string> from_base64(std::string_view text);
+
+}  // namespace flies

@@ -1,0 +1,298 @@
+#include "flies/classify/model_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <opencv2/core/cvdef.h>
+
+#include "flies/classify/base64.hpp"
+#include "flies/core/error.hpp"
+#include "flies/io/output_file.hpp"
+#include "flies/io/text_file.hpp"
+
+static_assert(std::endian::native == std::endian::little, "numbers in model files are little-endian");
+
+namespace flies {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kFormat = "flies people model";
+constexpr int kVersion = 1;
+constexpr std::size_t kMaxFile_bytes = std::size_t{1} << 28;
+constexpr std::string_view kChecksumKey = "\n \"checksum\": ";
+
+/// FNV-1a with 64 bits: short to write in any language, and enough against files cut short or edited.
+std::string checksum_of(std::string_view bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3U;
+  return fmt::format("fnv1a64 {:016x}", hash);
+}
+
+std::uint16_t half_of(float value) {
+  const cv::float16_t half(value);
+  std::uint16_t bits = 0;
+  std::memcpy(&bits, &half, sizeof(bits));
+  return bits;
+}
+
+float from_half(std::uint16_t bits) { return static_cast<float>(cv::float16_t::fromBits(bits)); }
+
+template <class T>
+std::string bytes_of(const std::vector<T>& values) {
+  std::string bytes(values.size() * sizeof(T), '\0');
+  if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+  return bytes;
+}
+
+template <class T>
+std::vector<T> from_bytes(const std::string& bytes) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
+}
+
+/// In 16 bits where that loses nothing.
+Json packed(const std::vector<float>& values, const std::vector<std::size_t>& shape) {
+  std::vector<std::uint16_t> halves;
+  std::transform(values.begin(), values.end(), std::back_inserter(halves), half_of);
+  const bool lossless = std::equal(values.begin(), values.end(), halves.begin(),
+                                   [](float value, std::uint16_t half) { return value == from_half(half); });
+  return {{"shape", shape},
+          {"type", lossless ? "float16" : "float32"},
+          {"base64", to_base64(lossless ? bytes_of(halves) : bytes_of(values))}};
+}
+
+/// A JSON object that knows where it stands in which file, and that every one of its keys has a reader.
+class Reader {
+ public:
+  Reader(const Json& object, std::string source, std::string prefix)
+      : object_(object), source_(std::move(source)), prefix_(std::move(prefix)) {
+    if (!object_.is_object()) throw InputError(source_, prefix_, "expected an object");
+  }
+
+  bool has(const char* key) const { return object_.contains(key); }
+  Reader child(const char* key) { return {get(key), source_, path(key)}; }
+
+  void read(const char* key, std::string& text) {
+    if (!get(key).is_string()) fail(key, "expected a text");
+    text = get(key).get<std::string>();
+  }
+  void read(const char* key, bool& value) {
+    if (!get(key).is_boolean()) fail(key, "expected true or false");
+    value = get(key).get<bool>();
+  }
+  void read(const char* key, int& value) {
+    if (!get(key).is_number_integer() || get(key).get<double>() != get(key).get<int>())
+      fail(key, "expected a whole number");
+    value = get(key).get<int>();
+  }
+  void read(const char* key, double& value) {
+    if (!get(key).is_number()) fail(key, "expected a number");
+    value = get(key).get<double>();
+  }
+  void read(const char* key, ScoreCalibration& calibration) {
+    Reader fields = child(key);
+    fields.read("slope", calibration.slope);
+    fields.read("offset", calibration.offset);
+    fields.finish();
+  }
+  void read(const char* key, std::vector<float>& values) {
+    Matrix matrix;
+    read_array(key, 1, matrix);
+    values = std::move(matrix.values);
+  }
+  void read(const char* key, Matrix& matrix) { read_array(key, 2, matrix); }
+  void read(const char* key, std::vector<std::pair<std::string, std::string>>& texts) {
+    Reader fields = child(key);
+    for (const auto& [name, text] : fields.object_.items()) {
+      if (!text.is_string()) fields.fail(name, "expected a text");
+      texts.emplace_back(name, text.get<std::string>());
+    }
+  }
+
+  /// Refuses keys that nobody asked for.
+  void finish() const {
+    for (const auto& [key, value] : object_.items())
+      if (std::find(known_.begin(), known_.end(), key) == known_.end())
+        fail(key, fmt::format("unknown key; expected {}", fmt::join(known_, ", ")));
+  }
+  [[noreturn]] void fail(const std::string& key, const std::string& complaint) const {
+    throw InputError(source_, path(key), complaint);
+  }
+
+ private:
+  std::string path(const std::string& key) const { return prefix_.empty() ? key : prefix_ + "." + key; }
+
+  const Json& get(const char* key) {
+    if (!object_.contains(key)) fail(key, "missing");
+    if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
+    return object_[key];
+  }
+
+  void read_array(const char* key, std::size_t dimensions, Matrix& matrix) {
+    Reader fields = child(key);
+    std::vector<std::size_t> shape;
+    const Json& list = fields.get("shape");
+    if (!list.is_array() || list.size() != dimensions)
+      fields.fail("shape", fmt::format("expected a list of {} whole numbers", dimensions));
+    for (const auto& length : list) {
+      if (!length.is_number_unsigned() || length.get<std::uint64_t>() > kMaxFile_bytes)
+        fields.fail("shape", "expected whole numbers");
+      shape.push_back(length.get<std::size_t>());
+    }
+    std::string type, text;
+    fields.read("type", type);
+    fields.read("base64", text);
+    fields.finish();
+    if (type != "float16" && type != "float32")
+      fields.fail("type", fmt::format("found '{}', expected float16 or float32", type));
+    const auto bytes = from_base64(text);
+    if (!bytes) fields.fail("base64", "is not base64");
+
+    matrix.rows = shape.front();
+    matrix.columns = dimensions == 2 ? shape.back() : 1;
+    const std::size_t expected = matrix.rows * matrix.columns * (type == "float16" ? 2 : 4);
+    if (bytes->size() != expected)
+      fields.fail("base64", fmt::format("holds {} bytes, expected {} by its shape", bytes->size(), expected));
+    if (type == "float32") {
+      matrix.values = from_bytes<float>(*bytes);
+    } else {
+      const auto halves = from_bytes<std::uint16_t>(*bytes);
+      std::transform(halves.begin(), halves.end(), std::back_inserter(matrix.values), from_half);
+    }
+  }
+
+  const Json& object_;
+  std::string source_, prefix_;
+  std::vector<std::string> known_;
+};
+
+Json json_of(const ScoreCalibration& calibration) {
+  return {{"slope", calibration.slope}, {"offset", calibration.offset}};
+}
+
+Json json_of(const Matrix& matrix) { return packed(matrix.values, {matrix.rows, matrix.columns}); }
+Json json_of(const std::vector<float>& values) { return packed(values, {values.size()}); }
+
+/// The geometry's fields, once for reading and writing.
+template <class Geometry, class Visit>
+void for_each_field(Geometry& hog, const Visit& visit) {
+  visit("window_width_px", hog.window_width_px);
+  visit("window_height_px", hog.window_height_px);
+  visit("block_px", hog.block_px);
+  visit("stride_px", hog.stride_px);
+  visit("cell_px", hog.cell_px);
+  visit("bins", hog.bins);
+  visit("gamma", hog.gamma);
+}
+
+KernelStage read_kernel(Reader fields) {
+  KernelStage kernel;
+  fields.read("mean", kernel.mean);
+  if (fields.has("projection")) fields.read("projection", kernel.projection);
+  fields.read("support_vectors", kernel.support_vectors);
+  fields.read("coefficients", kernel.coefficients);
+  fields.read("gamma", kernel.gamma);
+  fields.read("bias", kernel.bias);
+  fields.read("calibration", kernel.calibration);
+  fields.finish();
+  return kernel;
+}
+
+PeopleModel read_model(Reader root) {
+  PeopleModel model;
+  root.read("name", model.name);
+  root.read("about", model.about);
+  root.read("threshold", model.threshold);
+  Reader hog = root.child("hog");
+  for_each_field(model.hog, [&](const char* key, auto& field) { hog.read(key, field); });
+  hog.finish();
+  Reader linear = root.child("linear");
+  linear.read("weights", model.linear.weights);
+  linear.read("bias", model.linear.bias);
+  linear.read("calibration", model.linear.calibration);
+  if (root.has("kernel")) {
+    linear.read("reject_below", model.linear.reject_below);
+    model.kernel = read_kernel(root.child("kernel"));
+  }
+  linear.finish();
+  root.finish();
+  return model;
+}
+
+void check_checksum(const std::string& text, const std::string& found, const std::string& source) {
+  const auto end = text.rfind(kChecksumKey);
+  const std::string expected = checksum_of(std::string_view(text).substr(0, end));
+  if (end == std::string::npos || found != expected)
+    throw InputError(source, "checksum",
+                     fmt::format("found '{}', but the file was cut or changed: its content has '{}'", found, expected));
+}
+
+}  // namespace
+
+PeopleModel parse_people_model(const std::string& text, const std::string& source) {
+  Json json;
+  try {
+    json = Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    throw InputError(source, fmt::format("byte {}", error.byte), "not a people model: expected JSON");
+  }
+  Reader root(json, source, "");
+  std::string format, checksum;
+  int version = 0;
+  root.read("format", format);
+  if (format != kFormat) root.fail("format", fmt::format("found '{}', expected '{}'", format, kFormat));
+  root.read("version", version);
+  if (version != kVersion) root.fail("version", fmt::format("found {}, expected {}", version, kVersion));
+  root.read("checksum", checksum);
+  PeopleModel model = read_model(std::move(root));
+  check_checksum(text, checksum, source);
+  check_people_model(model, source);
+  return model;
+}
+
+PeopleModel read_people_model(const std::string& path) {
+  return parse_people_model(read_file(path, kMaxFile_bytes), path);
+}
+
+std::string people_model_text(const PeopleModel& model) {
+  check_people_model(model, model.name);
+  Json hog = Json::object(), about = Json::object();
+  for_each_field(model.hog, [&](const char* key, const auto& field) { hog[key] = field; });
+  for (const auto& [key, text] : model.about) about[key] = text;
+  Json linear = {{"weights", json_of(model.linear.weights)},
+                 {"bias", model.linear.bias},
+                 {"calibration", json_of(model.linear.calibration)}};
+  if (model.kernel) linear["reject_below"] = model.linear.reject_below;
+  Json json = {{"format", kFormat}, {"version", kVersion},          {"name", model.name}, {"about", about},
+               {"hog", hog},        {"threshold", model.threshold}, {"linear", linear}};
+  if (const auto& kernel = model.kernel) {
+    Json object = {{"mean", json_of(kernel->mean)}};
+    if (kernel->projection.rows > 0) object["projection"] = json_of(kernel->projection);
+    object["support_vectors"] = json_of(kernel->support_vectors);
+    object["coefficients"] = json_of(kernel->coefficients);
+    object["gamma"] = kernel->gamma;
+    object["bias"] = kernel->bias;
+    object["calibration"] = json_of(kernel->calibration);
+    json["kernel"] = std::move(object);
+  }
+  constexpr int kIndent = 1;
+  std::string text = json.dump(kIndent);
+  text.resize(text.rfind('\n'));
+  text += ',';
+  return text + std::string(kChecksumKey) + '"' + checksum_of(text) + "\"\n}\n";
+}
+
+void write_people_model(const std::string& path, const PeopleModel& model) {
+  write_file(path, people_model_text(model));
+}
+
+void round_to_half(std::vector<float>& values) {
+  for (float& value : values) value = from_half(half_of(value));
+}
+
+}  // namespace flies

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+#include "flies/classify/people_model.hpp"
+
+namespace flies {
+
+/// Reads a model file (docs/formats.md).
+/// @throws InputError naming the file and the field: unreadable, not JSON, another format or version, missing or
+///         unknown key, wrong type, wrong length, a number that is not finite, a checksum that does not fit
+PeopleModel read_people_model(const std::string& path);
+
+/// The same from text in memory.
+/// @param source names it in errors
+PeopleModel parse_people_model(const std::string& text, const std::string& source);
+
+/// Writes a model file, whole or not at all. The same model gives the same bytes, and reads back to the same values.
+/// @throws InputError naming the file when it cannot be written, or a field of the model that is inconsistent
+void write_people_model(const std::string& path, const PeopleModel& model);
+
+/// The text of a model file.
+std::string people_model_text(const PeopleModel& model);
+
+/// Rounds all numbers to what fits 16 bits (IEEE 754 binary16), which the file then stores in half the space.
+/// Do this before the model is evaluated, so that what is measured is what is shipped.
+void round_to_half(std::vector<float>& values);
+
+}  // namespace flies

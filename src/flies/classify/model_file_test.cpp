@@ -1,0 +1,221 @@
+#include "flies/classify/model_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "flies/classify/base64.hpp"
+#include "flies/core/error.hpp"
+
+namespace flies {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+/// The smallest model with everything: two blocks of one cell, and a second stage of two support vectors.
+PeopleModel tiny_model() {
+  PeopleModel model;
+  model.name = "tiny: \"quoted\"";
+  model.hog.window_width_px = model.hog.block_px = model.hog.stride_px = model.hog.cell_px = 8;
+  model.hog.window_height_px = 16;
+  model.hog.bins = 3;
+  model.hog.gamma = false;
+  model.linear.weights = {0.1F, -1e-20F, 3.25F, 1.0F / 3.0F, 0.0F, 12345.678F};
+  model.linear.bias = -1.0 / 3.0;
+  model.linear.calibration = {1.5, -0.1};
+  model.linear.reject_below = -0.7;
+  KernelStage kernel;
+  kernel.mean = {0.5F, 0.25F, 0.0F, -1.0F, 2.0F, 0.125F};
+  kernel.projection = {1, 6, {0.5F, 0.0F, 0.0F, 1.0F, -2.0F, 0.0F}};
+  kernel.support_vectors = {2, 1, {0.1F, 0.2F}};
+  kernel.coefficients = {1.0F, -0.3F};
+  kernel.gamma = 0.05;
+  kernel.bias = 0.01;
+  kernel.calibration = {2.0, 0.2};
+  model.kernel = kernel;
+  model.threshold = 0.625;
+  model.about = {{"training data", "none"}, {"a first key", "keeps its place"}};
+  return model;
+}
+
+void expect_equal(const Matrix& a, const Matrix& b) {
+  EXPECT_EQ(a.rows, b.rows);
+  EXPECT_EQ(a.columns, b.columns);
+  EXPECT_EQ(a.values, b.values);
+}
+
+void expect_equal(const ScoreCalibration& a, const ScoreCalibration& b) {
+  EXPECT_EQ(a.slope, b.slope);
+  EXPECT_EQ(a.offset, b.offset);
+}
+
+void expect_equal(const PeopleModel& a, const PeopleModel& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.hog, b.hog);
+  EXPECT_EQ(a.linear.weights, b.linear.weights);
+  EXPECT_EQ(a.linear.bias, b.linear.bias);
+  expect_equal(a.linear.calibration, b.linear.calibration);
+  EXPECT_EQ(a.linear.reject_below, b.linear.reject_below);
+  EXPECT_EQ(a.threshold, b.threshold);
+  EXPECT_EQ(a.about, b.about);
+  ASSERT_EQ(a.kernel.has_value(), b.kernel.has_value());
+  if (!a.kernel) return;
+  EXPECT_EQ(a.kernel->mean, b.kernel->mean);
+  expect_equal(a.kernel->projection, b.kernel->projection);
+  expect_equal(a.kernel->support_vectors, b.kernel->support_vectors);
+  EXPECT_EQ(a.kernel->coefficients, b.kernel->coefficients);
+  EXPECT_EQ(a.kernel->gamma, b.kernel->gamma);
+  EXPECT_EQ(a.kernel->bias, b.kernel->bias);
+  expect_equal(a.kernel->calibration, b.kernel->calibration);
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    parse_people_model(text, "model.json");
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("model.json"), Not(HasSubstr("\n"))));
+    return error.what();
+  }
+  ADD_FAILURE() << "accepted: " << text;
+  return {};
+}
+
+TEST(PeopleModelText, ReadsBackToTheSameModelAndTheSameBytes) {
+  PeopleModel without_kernel = tiny_model();
+  without_kernel.kernel.reset();
+  without_kernel.linear.reject_below = LinearStage{}.reject_below;
+  PeopleModel without_projection = tiny_model();
+  without_projection.kernel->projection = {};
+  without_projection.kernel->support_vectors = {1, 6, {1, 2, 3, 4, 5, 6}};
+  without_projection.kernel->coefficients = {1.0F};
+  for (const PeopleModel& model :
+       {tiny_model(), without_kernel, without_projection, opencv_48x96(), opencv_64x128()}) {
+    const std::string text = people_model_text(model);
+    const PeopleModel read = parse_people_model(text, "text");
+    expect_equal(read, model);
+    EXPECT_EQ(people_model_text(read), text);
+  }
+}
+
+TEST(PeopleModelText, TakesHalfTheSpaceWhereThatLosesNothing) {
+  PeopleModel model = opencv_48x96();
+  const std::size_t exact_bytes = people_model_text(model).size();
+  round_to_half(model.linear.weights);
+  const std::string text = people_model_text(model);
+  EXPECT_LT(text.size(), exact_bytes * 6 / 10);
+  expect_equal(parse_people_model(text, "text"), model);
+}
+
+TEST(WritePeopleModel, IsReadByItsPath) {
+  const std::string path = (std::filesystem::path(testing::TempDir()) / "flies-tiny-model.json").string();
+  write_people_model(path, tiny_model());
+  expect_equal(people_model(path), tiny_model());
+  std::filesystem::remove(path);
+}
+
+TEST(ReadPeopleModel, RefusesFoldersAndMissingFiles) {
+  EXPECT_THROW(read_people_model(testing::TempDir()), InputError);
+  EXPECT_THROW(read_people_model("no/such/model.json"), InputError);
+}
+
+TEST(ParsePeopleModel, RefusesAFileThatWasCutOrEdited) {
+  const std::string good = people_model_text(tiny_model());
+  EXPECT_THAT(error_of(good.substr(0, good.size() / 2)), HasSubstr("expected JSON"));
+  EXPECT_THAT(error_of(std::regex_replace(good, std::regex("\"threshold\": 0.625"), "\"threshold\": 0.5")),
+              AllOf(HasSubstr("checksum"), HasSubstr("cut or changed")));
+  EXPECT_THAT(error_of(std::regex_replace(good, std::regex("\n \"name\""), "\n\n \"name\"")), HasSubstr("checksum"));
+}
+
+/// Changes one place of the model by a JSON pointer; the checksum no longer matters, for errors come before it.
+std::string with(const char* place, const nlohmann::ordered_json& value) {
+  auto json = nlohmann::ordered_json::parse(people_model_text(tiny_model()));
+  const nlohmann::ordered_json::json_pointer pointer(place);
+  if (value.is_discarded())
+    json.at(pointer.parent_pointer()).erase(pointer.back());
+  else
+    json[pointer] = value;
+  return json.dump();
+}
+
+TEST(ParsePeopleModel, NamesTheFieldThatIsWrong) {
+  const nlohmann::ordered_json gone(nlohmann::ordered_json::value_t::discarded);
+  struct Case {
+    std::string text, field, complaint;
+  };
+  const std::vector<Case> cases = {
+      {"just text", "byte 1", "expected JSON"},
+      {"[1, 2]", "", "expected an object"},
+      {with("/format", "a cake"), "format", "found 'a cake', expected 'flies people model'"},
+      {with("/version", 2), "version", "found 2, expected 1"},
+      {with("/checksum", gone), "checksum", "missing"},
+      {with("/linear/bias", gone), "linear.bias", "missing"},
+      {with("/linear", gone), "linear", "missing"},
+      {with("/linear", 5), "linear", "expected an object"},
+      {with("/kernel/gamma", gone), "kernel.gamma", "missing"},
+      {with("/colour", "red"), "colour", "unknown key"},
+      {with("/hog/colour", "red"), "hog.colour", "unknown key"},
+      {with("/about/colour", 5), "about.colour", "expected a text"},
+      {with("/hog/bins", "three"), "hog.bins", "expected a whole number"},
+      {with("/hog/bins", 2.5), "hog.bins", "expected a whole number"},
+      {with("/hog/bins", 99999999999), "hog.bins", "expected a whole number"},
+      {with("/hog/gamma", "maybe"), "hog.gamma", "expected true or false"},
+      {with("/linear/bias", "big"), "linear.bias", "expected a number"},
+      {with("/linear/weights/shape", {1, 2}), "linear.weights.shape", "expected a list of 1 whole numbers"},
+      {with("/linear/weights/shape", {-6}), "linear.weights.shape", "expected whole numbers"},
+      {with("/linear/weights/shape", {7}), "linear.weights.base64", "holds 24 bytes, expected 28"},
+      {with("/linear/weights/type", "float8"), "linear.weights.type", "found 'float8', expected float16 or float32"},
+      {with("/linear/weights/base64", "?"), "linear.weights.base64", "is not base64"}};
+  for (const Case& bad : cases) EXPECT_THAT(error_of(bad.text), AllOf(HasSubstr(bad.field), HasSubstr(bad.complaint)));
+}
+
+TEST(PeopleModelText, RefusesModelsThatAreInconsistent) {
+  const auto complaint = [](const auto& spoil) -> std::string {
+    PeopleModel model = tiny_model();
+    spoil(model);
+    try {
+      people_model_text(model);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(complaint([](PeopleModel&) {}), "");
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.hog.bins = 4; }), HasSubstr("linear.weights: found 6 numbers, expected 8"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.linear.weights[2] = kInfinity; }), HasSubstr("linear.weights[2]: found inf"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.linear.bias = kInfinity; }), HasSubstr("linear.bias"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.linear.calibration.slope = 0; }), HasSubstr("linear.calibration.slope"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.linear.reject_below = -kInfinity; }), HasSubstr("linear.reject_below"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.threshold = 1.5; }), HasSubstr("threshold: found 1.5, expected 0 to 1"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->mean.pop_back(); }), HasSubstr("kernel.mean"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->projection.columns = 5; }), HasSubstr("kernel.projection"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->support_vectors.columns = 2; }), HasSubstr("kernel.support_vectors"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->coefficients.pop_back(); }), HasSubstr("kernel.coefficients"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->gamma = -1; }), HasSubstr("kernel.gamma"));
+}
+
+TEST(Base64, IsThatOfRfc4648) {
+  // Section 10 of the RFC.
+  const std::vector<std::pair<std::string, std::string>> vectors{{"", ""},         {"f", "Zg=="},     {"fo", "Zm8="},
+                                                                 {"foo", "Zm9v"},  {"foob", "Zm9vYg=="},
+                                                                 {"fooba", "Zm9vYmE="}, {"foobar", "Zm9vYmFy"}};
+  for (const auto& [bytes, text] : vectors) {
+    EXPECT_EQ(to_base64(bytes), text);
+    EXPECT_EQ(from_base64(text), bytes);
+  }
+  for (const char* bad : {"Zg=", "Zg", "Z===", "Zg==Zg==", "Zm9*", "Zm 9"}) EXPECT_EQ(from_base64(bad), std::nullopt) << bad;
+  const std::string all_bytes = [] {
+    std::string bytes;
+    for (int i = 0; i < 256; ++i) bytes += static_cast<char>(i);
+    return bytes;
+  }();
+  EXPECT_EQ(from_base64(to_base64(all_bytes)), all_bytes);
+}
+
+}  // namespace
+}  // namespace flies

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "flies/classify/people_model.hpp"
+#include "flies/core/gray_view.hpp"
+#include "flies/core/results.hpp"
+
+namespace flies {
+
+/// Says how probable it is that a window shows a person. Calls may run side by side; they run on oneTBB's current
+/// arena, and results do not depend on the number of threads.
+class PeopleClassifier {
+ public:
+  virtual ~PeopleClassifier() = default;
+  PeopleClassifier() = default;
+  PeopleClassifier(const PeopleClassifier&) = delete;
+  PeopleClassifier& operator=(const PeopleClassifier&) = delete;
+
+  virtual const std::string& name() const = 0;
+
+  /// Windows with a higher probability are persons.
+  virtual double threshold() const = 0;
+
+  /// The probability of every window, by all that the classifier has.
+  /// @param image with pixels
+  /// @returns one per window, 0 to 1; 0 for a window without area, not finite, or wholly outside the image
+  virtual std::vector<double> classify(const GrayView& image, std::span<const ImageBox> windows) const = 0;
+
+  /// A first look that is cheap and keeps the order roughly: what it gives less than `screen_threshold`, `classify`
+  /// would not call a person. A classifier of one stage gives its last word here.
+  virtual std::vector<double> screen(const GrayView& image, std::span<const ImageBox> windows) const {
+    return classify(image, windows);
+  }
+  virtual double screen_threshold() const { return threshold(); }
+};
+
+/// @throws InputError when the model is inconsistent
+std::shared_ptr<const PeopleClassifier> hog_classifier(PeopleModel model);
+
+/// The classifier that is used when none is named.
+std::shared_ptr<const PeopleClassifier> default_people_classifier();
+
+/// Finds a classifier: by name (`opencv-48x96`, `opencv-64x128`) or by the path of a model file.
+/// @throws InputError naming file and field
+std::shared_ptr<const PeopleClassifier> people_classifier(std::string_view name_or_path);
+
+}  // namespace flies

@@ -1,0 +1,126 @@
+#include "flies/classify/people_classifier.hpp"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "flies/core/error.hpp"
+#include "flies/core/random.hpp"
+
+namespace flies {
+namespace {
+
+cv::Mat noise_image(int width_px, int height_px) {
+  cv::Mat image(height_px, width_px, CV_8UC1);
+  FlyRandom random(7, 0, 0, 0);
+  for (int v = 0; v < height_px; ++v)
+    for (int u = 0; u < width_px; ++u) image.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(random.below(256));
+  cv::GaussianBlur(image, image, {0, 0}, 2.0);
+  return image;
+}
+
+GrayView view_of(const cv::Mat& image) {
+  return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step)};
+}
+
+ImageBox window(double u_px, double v_px, double width_px, double height_px) {
+  return {u_px, v_px, width_px, height_px};
+}
+
+/// A second stage that likes windows as they like to be: near its one support vector.
+PeopleModel two_stages(std::vector<float> favourite, double reject_below) {
+  PeopleModel model = opencv_48x96();
+  model.linear.reject_below = reject_below;
+  KernelStage kernel;
+  kernel.mean.assign(feature_count(model.hog), 0.0F);
+  kernel.support_vectors = {1, feature_count(model.hog), std::move(favourite)};
+  kernel.coefficients = {1.0F};
+  model.kernel = kernel;
+  return model;
+}
+
+std::vector<double> linear_scores(const cv::Mat& image, std::span<const ImageBox> boxes) {
+  const PeopleModel model = opencv_48x96();
+  std::vector<double> scores;
+  for (const ImageBox& box : boxes) {
+    std::vector<float> features(feature_count(model.hog));
+    window_features(view_of(image), box, model.hog, features);
+    scores.push_back(linear_score(model.linear, features));
+  }
+  return scores;
+}
+
+const std::vector<ImageBox> kBoxes{window(0, 0, 48, 96), window(100, 50, 48, 96), window(40, 100, 48, 96),
+                                   window(60, 10, 60, 120), window(90, 30, 70, 140)};
+
+TEST(HogClassifier, IsEmptyWithoutWindows) {
+  const cv::Mat image = noise_image(64, 64);
+  EXPECT_TRUE(default_people_classifier()->classify(view_of(image), {}).empty());
+}
+
+TEST(HogClassifier, CalibratesTheLinearScore) {
+  const cv::Mat image = noise_image(200, 220);
+  PeopleModel model = opencv_48x96();
+  model.linear.calibration = {2.0, 0.5};
+  const auto scores = linear_scores(image, kBoxes);
+  const auto probabilities = hog_classifier(model)->classify(view_of(image), kBoxes);
+  for (std::size_t i = 0; i < kBoxes.size(); ++i)
+    EXPECT_DOUBLE_EQ(probabilities[i], 1.0 / (1.0 + std::exp(-(2.0 * scores[i] + 0.5))));
+}
+
+TEST(HogClassifier, PutsWhatTheFirstStageRejectsBelowAllElse) {
+  const cv::Mat image = noise_image(200, 220);
+  const auto scores = linear_scores(image, kBoxes);
+  auto sorted = scores;
+  std::sort(sorted.begin(), sorted.end());
+  const double reject_below = (sorted[1] + sorted[2]) / 2.0;
+  const auto classifier = hog_classifier(two_stages(std::vector<float>(1980, 0.0F), reject_below));
+  const auto probabilities = classifier->classify(view_of(image), kBoxes);
+  const auto screened = classifier->screen(view_of(image), kBoxes);
+  for (std::size_t i = 0; i < kBoxes.size(); ++i) {
+    EXPECT_EQ(scores[i] < reject_below, screened[i] < classifier->screen_threshold());
+    EXPECT_EQ(scores[i] < reject_below, probabilities[i] < kRejectedProbability);
+    EXPECT_GT(probabilities[i], 0.0);
+    EXPECT_LE(probabilities[i], 1.0);
+  }
+}
+
+TEST(HogClassifier, LetsTheSecondStageDecide) {
+  const cv::Mat image = noise_image(200, 220);
+  std::vector<float> features(1980);
+  window_features(view_of(image), kBoxes[3], {}, features);
+  const auto probabilities = hog_classifier(two_stages(features, -1e6))->classify(view_of(image), kBoxes);
+  EXPECT_EQ(std::max_element(probabilities.begin(), probabilities.end()) - probabilities.begin(), 3);
+  constexpr double kDistanceTolerance = 1e-5;  // the same features, in other vector lengths
+  EXPECT_NEAR(probabilities[3], kRejectedProbability + (1.0 - kRejectedProbability) / (1.0 + std::exp(-1.0)),
+              kDistanceTolerance);
+}
+
+TEST(HogClassifier, GivesWindowsWithNothingInThemNoChance) {
+  const cv::Mat image = noise_image(120, 150);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<ImageBox> boxes{window(0, 0, 0, 0), window(nan, 0, 48, 96), window(120, 0, 48, 96)};
+  EXPECT_EQ(default_people_classifier()->classify(view_of(image), boxes), (std::vector<double>(3, 0.0)));
+}
+
+TEST(HogClassifier, DoesNotDependOnTheNumberOfThreads) {
+  const cv::Mat image = noise_image(300, 200);
+  std::vector<ImageBox> boxes;
+  for (int i = 0; i < 60; ++i) boxes.push_back(window(4.3 * i, i, 30 + i, 60 + 2 * i));
+  const auto classifier = default_people_classifier();
+  const auto parallel = classifier->classify(view_of(image), boxes);
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(classifier->classify(view_of(image), boxes), parallel);
+}
+
+TEST(HogClassifier, RefusesAModelWithMissingWeights) {
+  PeopleModel model = opencv_48x96();
+  model.linear.weights.pop_back();
+  EXPECT_THROW(hog_classifier(model), InputError);
+}
+
+}  // namespace
+}  // namespace flies
