@@ -4,6 +4,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,7 +13,7 @@
 
 #include "classifier_report.hpp"
 #include "commands.hpp"
-#include "flies/classify/classify.hpp"
+#include "flies/classify/people_classifier.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
 #include "flies/eval/window_data.hpp"
@@ -39,14 +40,14 @@ Options with_overrides(const std::vector<std::pair<std::string, std::string>>& o
   return options;
 }
 
-/// The model as a classifier that adds the time it takes to `ms`.
-flies::WindowClassifier timed_classifier(flies::PeopleModel model, double& ms) {
-  return [model = std::move(model), &ms](const flies::GrayView& image, std::span<const flies::ImageBox> windows) {
-    std::vector<flies::Roi> rois(windows.size());
-    for (std::size_t i = 0; i < windows.size(); ++i) rois[i].window = windows[i];
+/// Scores in log-odds, where the surest windows stay apart that as probabilities are all about 1. Adds the time it
+/// takes to `ms`.
+flies::WindowClassifier timed_classifier(std::shared_ptr<const flies::PeopleClassifier> classifier, double& ms) {
+  return [classifier, &ms](const flies::GrayView& image, std::span<const flies::ImageBox> windows) {
     const auto start = std::chrono::steady_clock::now();
-    auto scores = flies::score_rois(image, rois, model);
+    auto scores = classifier->classify(image, windows);
     ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    for (double& score : scores) score = std::log(score / (1.0 - score));
     return scores;
   };
 }
@@ -71,9 +72,9 @@ void run_evaluate_classifier(const ClassifierArguments& arguments) {
                             with_overrides<flies::WindowSampling>(arguments.sampling),
                             with_overrides<flies::EstimateOptions>(arguments.estimate)};
   std::vector<ClassifierResult> results;
-  std::vector<flies::PeopleModel> models;
+  std::vector<std::shared_ptr<const flies::PeopleClassifier>> models;
   for (const auto& name : arguments.models) {
-    models.push_back(flies::people_model(name));
+    models.push_back(flies::people_classifier(name));
     results.push_back({name, {}, {}, 0.0});
   }
   const flies::WindowData data = flies::open_window_data(arguments.data);
@@ -82,8 +83,7 @@ void run_evaluate_classifier(const ClassifierArguments& arguments) {
 
   std::vector<double> times_ms(models.size(), 0.0);
   std::vector<flies::WindowClassifier> classifiers;
-  for (std::size_t i = 0; i < models.size(); ++i)
-    classifiers.push_back(timed_classifier(std::move(models[i]), times_ms[i]));
+  for (std::size_t i = 0; i < models.size(); ++i) classifiers.push_back(timed_classifier(models[i], times_ms[i]));
   std::optional<ProgressBar> progress(std::in_place, flies::count_pictures(data), "pictures");
   tbb::task_arena arena(arguments.threads == 0 ? tbb::task_arena::automatic : arguments.threads);
   auto scores = arena.execute([&] {

@@ -26,9 +26,10 @@ cv::HOGDescriptor hog_of(const HogGeometry& geometry) {
   constexpr int kAperture = 1;
   constexpr double kSigmaFromBlock = -1.0;
   constexpr double kClip = 0.2;  // Dalal and Triggs' L2-Hys
-  return cv::HOGDescriptor({geometry.window_width_px, geometry.window_height_px}, {geometry.block_px, geometry.block_px},
-                           {geometry.stride_px, geometry.stride_px}, {geometry.cell_px, geometry.cell_px},
-                           geometry.bins, kAperture, kSigmaFromBlock, cv::HOGDescriptor::L2Hys, kClip, geometry.gamma);
+  return cv::HOGDescriptor({geometry.window_width_px, geometry.window_height_px},
+                           {geometry.block_px, geometry.block_px}, {geometry.stride_px, geometry.stride_px},
+                           {geometry.cell_px, geometry.cell_px}, geometry.bins, kAperture, kSigmaFromBlock,
+                           cv::HOGDescriptor::L2Hys, kClip, geometry.gamma);
 }
 
 cv::Mat mat_of(const GrayView& image) {
@@ -49,8 +50,9 @@ cv::Mat window_pixels(const cv::Mat& image, const ImageBox& box, const HogGeomet
     cv::copyMakeBorder(image(inside), crop, inside.y - top, bottom - inside.br().y, inside.x - left,
                        right - inside.br().x, cv::BORDER_REPLICATE);
   cv::Mat pixels;
-  cv::resize(crop, pixels, {geometry.window_width_px + 2 * kHogMargin_px, geometry.window_height_px + 2 * kHogMargin_px},
-             0, 0, box.height_px > geometry.window_height_px ? cv::INTER_AREA : cv::INTER_LINEAR);
+  cv::resize(crop, pixels,
+             {geometry.window_width_px + 2 * kHogMargin_px, geometry.window_height_px + 2 * kHogMargin_px}, 0, 0,
+             box.height_px > geometry.window_height_px ? cv::INTER_AREA : cv::INTER_LINEAR);
   return pixels;
 }
 
@@ -69,7 +71,8 @@ void check_hog_geometry(const HogGeometry& geometry, const std::string& source) 
     if (!ok) throw InputError(source, field, fmt::format("found {}, expected {}", found, allowed));
   };
   const int height = geometry.window_height_px, width = geometry.window_width_px;
-  require(height >= 8 && height <= kMaxWindow_px, "hog.window_height_px", height, fmt::format("8 to {}", kMaxWindow_px));
+  require(height >= 8 && height <= kMaxWindow_px, "hog.window_height_px", height,
+          fmt::format("8 to {}", kMaxWindow_px));
   require(2 * width == height, "hog.window_width_px", width,
           fmt::format("half of window_height_px, which is {}", height));
   require(geometry.block_px >= 1 && geometry.block_px <= width, "hog.block_px", geometry.block_px,

@@ -99,9 +99,9 @@ TEST(WindowFeatures, SurviveAnImageOfOnePixel) {
 TEST(IsWorthALook, RefusesWindowsWithNothingInThem) {
   const cv::Mat image = noise_image(120, 150);
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-  for (const ImageBox& box : {window(0, 0, 0, 0), window(0, 0, -48, -96), window(nan, 0, 48, 96),
-                              window(0, 0, infinity, 96), window(120, 0, 48, 96), window(0, -96, 48, 96),
-                              window(0, 0, 5e8, 1e9)})
+  for (const ImageBox& box :
+       {window(0, 0, 0, 0), window(0, 0, -48, -96), window(nan, 0, 48, 96), window(0, 0, infinity, 96),
+        window(120, 0, 48, 96), window(0, -96, 48, 96), window(0, 0, 5e8, 1e9)})
     EXPECT_FALSE(is_worth_a_look(box, view_of(image)));
   EXPECT_TRUE(is_worth_a_look(window(119, 149, 48, 96), view_of(image)));
 }

@@ -1,12 +1,12 @@
 #include "flies/classify/model_file.hpp"
 
 #include <fmt/format.h>
+#include <opencv2/core/cvdef.h>
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <opencv2/core/cvdef.h>
 
 #include "flies/classify/base64.hpp"
 #include "flies/core/error.hpp"

@@ -93,8 +93,7 @@ TEST(PeopleModelText, ReadsBackToTheSameModelAndTheSameBytes) {
   without_projection.kernel->projection = {};
   without_projection.kernel->support_vectors = {1, 6, {1, 2, 3, 4, 5, 6}};
   without_projection.kernel->coefficients = {1.0F};
-  for (const PeopleModel& model :
-       {tiny_model(), without_kernel, without_projection, opencv_48x96(), opencv_64x128()}) {
+  for (const PeopleModel& model : {tiny_model(), without_kernel, without_projection, opencv_48x96(), opencv_64x128()}) {
     const std::string text = people_model_text(model);
     const PeopleModel read = parse_people_model(text, "text");
     expect_equal(read, model);
@@ -186,29 +185,37 @@ TEST(PeopleModelText, RefusesModelsThatAreInconsistent) {
   };
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   EXPECT_EQ(complaint([](PeopleModel&) {}), "");
-  EXPECT_THAT(complaint([](PeopleModel& m) { m.hog.bins = 4; }), HasSubstr("linear.weights: found 6 numbers, expected 8"));
-  EXPECT_THAT(complaint([](PeopleModel& m) { m.linear.weights[2] = kInfinity; }), HasSubstr("linear.weights[2]: found inf"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.hog.bins = 4; }),
+              HasSubstr("linear.weights: found 6 numbers, expected 8"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.linear.weights[2] = kInfinity; }),
+              HasSubstr("linear.weights[2]: found inf"));
   EXPECT_THAT(complaint([](PeopleModel& m) { m.linear.bias = kInfinity; }), HasSubstr("linear.bias"));
   EXPECT_THAT(complaint([](PeopleModel& m) { m.linear.calibration.slope = 0; }), HasSubstr("linear.calibration.slope"));
   EXPECT_THAT(complaint([](PeopleModel& m) { m.linear.reject_below = -kInfinity; }), HasSubstr("linear.reject_below"));
   EXPECT_THAT(complaint([](PeopleModel& m) { m.threshold = 1.5; }), HasSubstr("threshold: found 1.5, expected 0 to 1"));
   EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->mean.pop_back(); }), HasSubstr("kernel.mean"));
   EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->projection.columns = 5; }), HasSubstr("kernel.projection"));
-  EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->support_vectors.columns = 2; }), HasSubstr("kernel.support_vectors"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->support_vectors.columns = 2; }),
+              HasSubstr("kernel.support_vectors"));
   EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->coefficients.pop_back(); }), HasSubstr("kernel.coefficients"));
   EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->gamma = -1; }), HasSubstr("kernel.gamma"));
 }
 
 TEST(Base64, IsThatOfRfc4648) {
   // Section 10 of the RFC.
-  const std::vector<std::pair<std::string, std::string>> vectors{{"", ""},         {"f", "Zg=="},     {"fo", "Zm8="},
-                                                                 {"foo", "Zm9v"},  {"foob", "Zm9vYg=="},
-                                                                 {"fooba", "Zm9vYmE="}, {"foobar", "Zm9vYmFy"}};
+  const std::vector<std::pair<std::string, std::string>> vectors{{"", ""},
+                                                                 {"f", "Zg=="},
+                                                                 {"fo", "Zm8="},
+                                                                 {"foo", "Zm9v"},
+                                                                 {"foob", "Zm9vYg=="},
+                                                                 {"fooba", "Zm9vYmE="},
+                                                                 {"foobar", "Zm9vYmFy"}};
   for (const auto& [bytes, text] : vectors) {
     EXPECT_EQ(to_base64(bytes), text);
     EXPECT_EQ(from_base64(text), bytes);
   }
-  for (const char* bad : {"Zg=", "Zg", "Z===", "Zg==Zg==", "Zm9*", "Zm 9"}) EXPECT_EQ(from_base64(bad), std::nullopt) << bad;
+  for (const char* bad : {"Zg=", "Zg", "Z===", "Zg==Zg==", "Zm9*", "Zm 9"})
+    EXPECT_EQ(from_base64(bad), std::nullopt) << bad;
   const std::string all_bytes = [] {
     std::string bytes;
     for (int i = 0; i < 256; ++i) bytes += static_cast<char>(i);
