@@ -11,12 +11,13 @@
 
 #include "flies/core/random.hpp"
 #include "flies/fitness/fitness.hpp"
-#include "flies/fitness/kernels/row_sums.hpp"
+#include "flies/fitness/kernels/kernel.hpp"
 
 namespace {
 
-using flies::kernels::PatchPair;
-using flies::kernels::RowSumsKernel;
+using flies::kernels::Kernel;
+using flies::kernels::PatchImages;
+using flies::kernels::PatchPlace;
 
 constexpr int kWidth_px = 640, kHeight_px = 480;
 constexpr int kColumns = 13, kRows = 19;
@@ -41,42 +42,44 @@ const NoisePair& noise_pair() {
   return pair;
 }
 
-std::vector<PatchPair> random_patches(flies::PatchSampling sampling) {
+std::vector<PatchPlace> random_places(flies::PatchSampling sampling) {
   flies::FlyRandom random(12, 0, 0, 0);
-  std::vector<PatchPair> patches;
+  std::vector<PatchPlace> places;
   for (std::size_t i = 0; i < kEvaluations; ++i) {
     const auto below = [&](int limit) {
       return static_cast<std::ptrdiff_t>(random.below(static_cast<unsigned>(limit)));
     };
     const std::ptrdiff_t row = below(kHeight_px - kRows) * kWidth_px;
-    patches.push_back({.left = noise_pair().left.data() + row + below(kWidth_px - kColumns),
-                       .right = noise_pair().right.data() + row + below(kWidth_px - kColumns - 1),
-                       .left_stride = kWidth_px,
-                       .right_stride = kWidth_px,
-                       .columns = kColumns,
-                       .rows = kRows,
-                       .fraction16 = sampling == flies::PatchSampling::nearest ? 0 : static_cast<int>(below(16))});
+    places.push_back({.left = noise_pair().left.data() + row + below(kWidth_px - kColumns),
+                      .right = noise_pair().right.data() + row + below(kWidth_px - kColumns - 1),
+                      .fraction16 = sampling == flies::PatchSampling::nearest ? 0 : static_cast<int>(below(16))});
   }
-  return patches;
+  return places;
 }
 
-template <class Evaluate>
-void run(benchmark::State& state, flies::PatchSampling sampling, Evaluate&& evaluate) {
-  const auto patches = random_patches(sampling);
-  for (auto _ : state)
-    for (const PatchPair& patch : patches) benchmark::DoNotOptimize(evaluate(patch));
+template <class Result, class Evaluate>
+void run(benchmark::State& state, flies::PatchSampling sampling, const Evaluate& evaluate) {
+  const auto& [left, right] = noise_pair();
+  const PatchImages images = {
+      left.data() + left.size(), right.data() + right.size(), kWidth_px, kWidth_px, kColumns, kRows};
+  const auto places = random_places(sampling);
+  std::vector<Result> results(places.size());
+  for (auto _ : state) {
+    evaluate(images, places, results.data());
+    benchmark::ClobberMemory();
+  }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(kEvaluations));
 }
 
-void run_kernel(benchmark::State& state, const RowSumsKernel& kernel, flies::FitnessFunction function,
+void run_kernel(benchmark::State& state, const Kernel& kernel, flies::FitnessFunction function,
                 flies::PatchSampling sampling) {
   using enum flies::FitnessFunction;
   if (function == louchet)
-    run(state, sampling, [&](const PatchPair& patch) { return sum_squared_differences(patch, kernel); });
+    run<std::int64_t>(state, sampling, kernel.sum_squared_differences);
   else if (function == covariance)
-    run(state, sampling, [&](const PatchPair& patch) { return sum_weighted_covariance(patch, kernel); });
+    run<float>(state, sampling, kernel.sum_weighted_covariances);
   else
-    run(state, sampling, [&](const PatchPair& patch) { return sum_row_centred_moments(patch, kernel); });
+    run<flies::kernels::PatchMoments>(state, sampling, kernel.sum_moments);
 }
 
 void run_score_flies(benchmark::State& state, flies::FitnessFunction function, flies::PatchSampling sampling) {
@@ -115,7 +118,7 @@ const bool kRegistered = [] {
   for (const auto function : {louchet, covariance, correlation})
     for (const auto sampling : {flies::PatchSampling::nearest, flies::PatchSampling::subpixel}) {
       const std::string what = std::string(flies::enum_name(function)) + '/' + std::string(flies::enum_name(sampling));
-      for (const RowSumsKernel& kernel : flies::kernels::supported_kernels())
+      for (const Kernel& kernel : flies::kernels::supported_kernels())
         benchmark::RegisterBenchmark(
             ("Kernel/" + std::string(kernel.target) + '/' + what).c_str(),
             [&kernel, function, sampling](benchmark::State& state) { run_kernel(state, kernel, function, sampling); });

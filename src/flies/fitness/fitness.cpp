@@ -9,8 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "flies/fitness/kernels/patch_kernel.hpp"
-#include "flies/fitness/kernels/row_sums.hpp"
+#include "flies/fitness/kernels/kernel.hpp"
 
 namespace flies {
 namespace {
@@ -21,94 +20,143 @@ constexpr std::size_t kFliesPerTask = 256;
 /// Projection of what is behind the camera.
 constexpr StereoPoint kNowhere = {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
 
+/// Places that go through the kernel together.
+constexpr std::size_t kPlacesAtOnce = 64;
+
 /// Projections farther out than this are nowhere near an image and would overflow the conversion to int.
 constexpr float kMaxCoordinate_px = 1e6F;
 
 int round_half_to_even(float x) { return static_cast<int>(std::lrint(x)); }
 
-/// The neighbourhoods around both projections, or `columns` = 0 when one of them leaves its image.
-kernels::PatchPair cut_patches(const RectifiedPair& pair, const FitnessOptions& options, float u_px, float v_px,
-                               float disparity_px) {
-  if (!(std::abs(u_px) < kMaxCoordinate_px && std::abs(v_px) < kMaxCoordinate_px &&
-        std::abs(disparity_px) < kMaxCoordinate_px))
-    return {};
-  const int half_u = options.half_width_px, half_v = options.half_height_px;
-  const int u_left = round_half_to_even(u_px), v = round_half_to_even(v_px);
-  int u_right = 0, fraction16 = 0;
-  if (options.sampling == PatchSampling::nearest) {
-    u_right = round_half_to_even(u_px - disparity_px);
-  } else {
-    // The left projection may be rounded freely as long as the disparity between the two patches stays exact.
-    const int u_right16 = round_half_to_even((static_cast<float>(u_left) - disparity_px) * 16.0F);
-    u_right = u_right16 >> 4;
-    fraction16 = u_right16 & 15;
-  }
-  const int width = pair.left.width_px, height = pair.left.height_px;
-  if (u_left - half_u < 0 || u_left + half_u >= width || v - half_v < 0 || v + half_v >= height ||
-      u_right - half_u < 0 || u_right + half_u + 1 >= width)
-    return {};
-  return {.left = pair.left.row(v - half_v) + u_left - half_u,
-          .right = pair.right.row(v - half_v) + u_right - half_u,
-          .left_stride = pair.left.stride,
-          .right_stride = pair.right.stride,
-          .columns = 2 * half_u + 1,
-          .rows = 2 * half_v + 1,
-          .fraction16 = fraction16};
-}
-
-/// Eq. (1).
-double louchet(const kernels::PatchPair& patch, const FitnessOptions& options) {
-  const std::uint8_t* centre = patch.left + options.half_height_px * patch.left_stride + options.half_width_px;
-  const double gradient_u = 0.5 * (centre[1] - centre[-1]);
-  const double gradient_v = 0.5 * (centre[patch.left_stride] - centre[-patch.left_stride]);
-  const double squared_differences = static_cast<double>(kernels::sum_squared_differences(patch)) / 256.0;
-  return std::sqrt(std::hypot(gradient_u, gradient_v)) / (options.louchet_constant + squared_differences);
-}
-
-/// Eq. (2), not below 0: a fitness serves as a weight.
-double covariance(const kernels::PatchPair& patch) { return std::max(0.0, kernels::sum_weighted_covariance(patch)); }
-
-struct Correlation {
-  double coefficient = 0.0;
-  double mean_covariance = 0.0;
+/// The places whose neighbourhoods lie inside both images.
+struct Located {
+  std::array<kernels::PatchPlace, kPlacesAtOnce> places;
+  std::array<std::uint32_t, kPlacesAtOnce> index;  ///< of each among all
+  std::size_t count = 0;
 };
 
-Correlation correlate(const kernels::PatchPair& patch, const FitnessOptions& options) {
-  const auto moments = kernels::sum_row_centred_moments(patch);
-  const double pixels = patch.columns * patch.rows;
-  const double noise = pixels * options.noise_gray * options.noise_gray;
-  const double scale = std::sqrt((moments.left_variance + noise) * (moments.right_variance + noise));
-  return {scale > 0.0 ? moments.covariance / scale : 0.0, moments.covariance / pixels};
+kernels::PatchImages patch_images(const RectifiedPair& pair, const FitnessOptions& options) {
+  const auto end = [](const GrayView& image) { return image.row(image.height_px - 1) + image.width_px; };
+  return {.left_end = end(pair.left),
+          .right_end = end(pair.right),
+          .left_stride = pair.left.stride,
+          .right_stride = pair.right.stride,
+          .columns = 2 * options.half_width_px + 1,
+          .rows = 2 * options.half_height_px + 1};
 }
 
-double correlation(const kernels::PatchPair& patch, const FitnessOptions& options) {
-  const auto [coefficient, mean_covariance] = correlate(patch, options);
-  if (coefficient <= 0.0) return 0.0;
-  return std::pow(coefficient, options.correlation_power) * std::pow(mean_covariance, options.contrast_power);
-}
-
-double score(const kernels::PatchPair& patch, const FitnessOptions& options) {
-  switch (options.function) {
-    case FitnessFunction::louchet:
-      return louchet(patch, options);
-    case FitnessFunction::covariance:
-      return covariance(patch);
-    case FitnessFunction::correlation:
-      return correlation(patch, options);
+Located locate(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
+               std::span<const float> v_px, std::span<const float> disparity_px) {
+  const int half_u = options.half_width_px, half_v = options.half_height_px;
+  const int width = pair.left.width_px, height = pair.left.height_px;
+  const bool nearest = options.sampling == PatchSampling::nearest;
+  Located located;
+  for (std::size_t i = 0; i < u_px.size(); ++i) {
+    if (!(std::abs(u_px[i]) < kMaxCoordinate_px && std::abs(v_px[i]) < kMaxCoordinate_px &&
+          std::abs(disparity_px[i]) < kMaxCoordinate_px))
+      continue;
+    const int u_left = round_half_to_even(u_px[i]), v = round_half_to_even(v_px[i]);
+    // The left projection may be rounded freely as long as the disparity between the two patches stays exact.
+    const int u_right16 = nearest
+                              ? round_half_to_even(u_px[i] - disparity_px[i]) * kernels::kScale
+                              : round_half_to_even((static_cast<float>(u_left) - disparity_px[i]) * kernels::kScale);
+    const int u_right = u_right16 >> 4;
+    if (u_left - half_u < 0 || u_left + half_u >= width || v - half_v < 0 || v + half_v >= height ||
+        u_right - half_u < 0 || u_right + half_u + 1 >= width)
+      continue;
+    located.places[located.count] = {.left = pair.left.row(v - half_v) + u_left - half_u,
+                                     .right = pair.right.row(v - half_v) + u_right - half_u,
+                                     .fraction16 = u_right16 & (kernels::kScale - 1)};
+    located.index[located.count++] = static_cast<std::uint32_t>(i);
   }
-  return 0.0;
+  return located;
 }
 
-/// Calls `evaluate` with the patches of each place.
+/// Eq. (1) from its summed squared differences in (1/16 grey level)^2.
+double louchet(const kernels::PatchPlace& place, std::ptrdiff_t stride, const FitnessOptions& options,
+               std::int64_t squared_differences) {
+  const std::uint8_t* centre = place.left + options.half_height_px * stride + options.half_width_px;
+  const double gradient_u = 0.5 * (centre[1] - centre[-1]);
+  const double gradient_v = 0.5 * (centre[stride] - centre[-stride]);
+  const double denominator = options.louchet_constant + static_cast<double>(squared_differences) / 256.0;
+  return std::sqrt(std::sqrt(gradient_u * gradient_u + gradient_v * gradient_v)) / denominator;
+}
+
+/// x to a power that is a multiple of 1/4, as those of the presets are, by multiplications and roots.
+/// @param x  not negative
+double quarter_power(double x, unsigned quarters) {
+  double result = 1.0;
+  if (quarters % 4 != 0) {
+    const double root = std::sqrt(x);
+    if (quarters & 2U) result *= root;
+    if (quarters & 1U) result *= std::sqrt(root);
+  }
+  for (unsigned n = quarters / 4; n != 0; n >>= 1U, x *= x)
+    if (n & 1U) result *= x;
+  return result;
+}
+
+/// x -> x^power.
+class Power {
+ public:
+  explicit Power(double power)
+      : power_(power), quarters_(static_cast<unsigned>(4.0 * power)), is_quarters_(quarters_ == 4.0 * power) {}
+  double operator()(double x) const { return is_quarters_ ? quarter_power(x, quarters_) : std::pow(x, power_); }
+
+ private:
+  double power_;
+  unsigned quarters_;
+  bool is_quarters_;
+};
+
+/// Turns moments, whose scales are those of PatchMoments, into the correlation coefficient and the mean covariance.
+class Correlation {
+ public:
+  Correlation(const kernels::PatchImages& images, double noise_gray)
+      : columns_(images.columns),
+        pixels_(images.columns * images.rows),
+        noise_(pixels_ * noise_gray * noise_gray * columns_) {}
+
+  double coefficient(const kernels::PatchMoments& moments) const {
+    constexpr double kSquare = kernels::kScale * kernels::kScale;
+    const double square =
+        (static_cast<double>(moments.ll) + noise_) * (static_cast<double>(moments.rr) / kSquare + noise_);
+    return square > 0.0 ? static_cast<double>(moments.lr) / (kernels::kScale * std::sqrt(square)) : 0.0;
+  }
+  double mean_covariance(const kernels::PatchMoments& moments) const {
+    return static_cast<double>(moments.lr) / (kernels::kScale * columns_ * pixels_);
+  }
+
+ private:
+  double columns_, pixels_;
+  double noise_;  ///< summed over the patch, times its columns
+};
+
+/// Calls `evaluate`(located places, values of all places) for some places after others; values not set there are 0.
 template <class Evaluate>
-void for_each_place(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
+void for_each_block(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
                     std::span<const float> v_px, std::span<const float> disparity_px, std::span<float> values,
                     const Evaluate& evaluate) {
   assert(u_px.size() == values.size() && v_px.size() == values.size() && disparity_px.size() == values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto patch = cut_patches(pair, options, u_px[i], v_px[i], disparity_px[i]);
-    values[i] = patch.columns == 0 ? 0.0F : static_cast<float>(evaluate(patch));
+  for (std::size_t begin = 0; begin < values.size(); begin += kPlacesAtOnce) {
+    const std::size_t count = std::min(kPlacesAtOnce, values.size() - begin);
+    const auto block = values.subspan(begin, count);
+    std::fill(block.begin(), block.end(), 0.0F);
+    const Located located = locate(pair, options, u_px.subspan(begin, count), v_px.subspan(begin, count),
+                                   disparity_px.subspan(begin, count));
+    if (located.count > 0) evaluate(located, block);
   }
+}
+
+/// Evaluates the kernel and sets the value of each located place to `finish`(its result, the place).
+template <class Result, class Sums, class Finish>
+void evaluate_block(const kernels::PatchImages& images, const Located& located, std::span<float> values,
+                    const Sums& sums, const Finish& finish) {
+  std::array<Result, kPlacesAtOnce> results;
+  const auto places = std::span(located.places).first(located.count);
+  sums(images, places, results.data());
+  for (std::size_t i = 0; i < located.count; ++i)
+    values[located.index[i]] = static_cast<float>(finish(results[i], places[i]));
 }
 
 /// Evaluates one place by a function for many.
@@ -125,14 +173,46 @@ float evaluate_one(const StereoPoint& point, const EvaluateMany& evaluate_many) 
 
 void score_points(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
                   std::span<const float> v_px, std::span<const float> disparity_px, std::span<float> fitness) {
-  for_each_place(pair, options, u_px, v_px, disparity_px, fitness,
-                 [&](const kernels::PatchPair& patch) { return score(patch, options); });
+  using kernels::PatchPlace;
+  const auto images = patch_images(pair, options);
+  const auto& kernel = kernels::chosen_kernel();
+  const Correlation correlation(images, options.noise_gray);
+  const Power raise_coefficient(options.correlation_power), raise_contrast(options.contrast_power);
+  for_each_block(
+      pair, options, u_px, v_px, disparity_px, fitness, [&](const Located& located, std::span<float> values) {
+        switch (options.function) {
+          case FitnessFunction::louchet:
+            return evaluate_block<std::int64_t>(images, located, values, kernel.sum_squared_differences,
+                                                [&](std::int64_t sum, const PatchPlace& place) {
+                                                  return louchet(place, images.left_stride, options, sum);
+                                                });
+          case FitnessFunction::covariance:
+            // Eq. (2), not below 0: a fitness serves as a weight.
+            return evaluate_block<float>(images, located, values, kernel.sum_weighted_covariances,
+                                         [](float sum, const PatchPlace&) { return std::max(0.0F, sum); });
+          case FitnessFunction::correlation:
+            return evaluate_block<kernels::PatchMoments>(images, located, values, kernel.sum_moments,
+                                                         [&](const kernels::PatchMoments& moments, const PatchPlace&) {
+                                                           if (moments.lr <= 0) return 0.0;
+                                                           return raise_coefficient(correlation.coefficient(moments)) *
+                                                                  raise_contrast(correlation.mean_covariance(moments));
+                                                         });
+        }
+      });
 }
 
 void correlate_points(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
                       std::span<const float> v_px, std::span<const float> disparity_px, std::span<float> coefficient) {
-  for_each_place(pair, options, u_px, v_px, disparity_px, coefficient,
-                 [&](const kernels::PatchPair& patch) { return correlate(patch, options).coefficient; });
+  const auto images = patch_images(pair, options);
+  const auto& kernel = kernels::chosen_kernel();
+  const Correlation correlation(images, options.noise_gray);
+  for_each_block(
+      pair, options, u_px, v_px, disparity_px, coefficient, [&](const Located& located, std::span<float> values) {
+        evaluate_block<kernels::PatchMoments>(images, located, values, kernel.sum_moments,
+                                              [&](const kernels::PatchMoments& moments, const kernels::PatchPlace&) {
+                                                return correlation.coefficient(moments);
+                                              });
+      });
 }
 
 float score_point(const RectifiedPair& pair, const FitnessOptions& options, const StereoPoint& point) {
