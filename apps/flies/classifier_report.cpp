@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kLabelWidth = 30, kColumnWidth = 24;
 
-std::size_t count(const std::vector<std::vector<float>>& lists) {
+std::size_t count(const std::vector<std::vector<double>>& lists) {
   std::size_t sum = 0;
   for (const auto& list : lists) sum += list.size();
   return sum;

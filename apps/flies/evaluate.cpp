@@ -17,6 +17,7 @@
 #include "flies/core/options.hpp"
 #include "flies/eval/dataset.hpp"
 #include "flies/eval/evaluation.hpp"
+#include "flies/eval/unlabelled.hpp"
 #include "flies/io/output_file.hpp"
 #include "method_arguments.hpp"
 #include "notes.hpp"
@@ -38,8 +39,8 @@ struct EvaluateArguments {
   int seeds = 5;
   std::string model;
   MethodArguments method;
-  Overrides match, estimate, dense;  ///< dotted name and text
-  std::string json;
+  Overrides match, people, estimate, dense, hog;  ///< dotted name and text
+  std::string unlabelled, json, plot;
   bool missed = false;
 };
 
@@ -70,19 +71,25 @@ std::vector<std::size_t> frames_of(const EvaluateArguments& arguments, std::size
   return frames;
 }
 
-/// What is held against the method: a dense matcher or another preset.
+/// What is held against the method: a dense matcher, a search of the whole image for people, or another preset.
 flies::Method yardstick(const std::string& name, const flies::DetectorOptions& options,
                         const EvaluateArguments& arguments,
                         const std::shared_ptr<const flies::PeopleClassifier>& classifier, bool is_sequence) {
   constexpr const auto& kMatchers = flies::EnumNames<flies::DenseMatcher>::names;
+  constexpr const auto& kSearches = flies::EnumNames<flies::HogDetector>::names;
   constexpr const auto& kPresets = flies::EnumNames<flies::Preset>::names;
   if (const auto matcher = std::find(kMatchers.begin(), kMatchers.end(), name); matcher != kMatchers.end())
     return flies::dense_method(static_cast<flies::DenseMatcher>(matcher - kMatchers.begin()), options,
                                with_overrides<flies::DenseOptions>(arguments.dense));
+  if (const auto search = std::find(kSearches.begin(), kSearches.end(), name); search != kSearches.end()) {
+    const auto detector = static_cast<flies::HogDetector>(search - kSearches.begin());
+    return flies::hog_method(detector, with_overrides<flies::HogOptions>(arguments.hog));
+  }
   const auto preset = std::find(kPresets.begin(), kPresets.end(), name);
   if (preset == kPresets.end())
-    throw flies::InputError("command line", "--yardstick",
-                            fmt::format("found '{}', expected sgbm, sgbm-3way, default or paper", name));
+    throw flies::InputError(
+        "command line", "--yardstick",
+        fmt::format("found '{}', expected sgbm, sgbm-3way, hog-48x96, hog-64x128, default or paper", name));
   flies::DetectorOptions of_preset = flies::preset_options(static_cast<flies::Preset>(preset - kPresets.begin()));
   of_preset.seed = options.seed;
   of_preset.threads = options.threads;
@@ -113,11 +120,16 @@ void run_evaluate(const EvaluateArguments& arguments) {
   context.folder = arguments.folder;
   context.preset = arguments.method.preset;
   context.options = effective_options(arguments.method);
-  context.match = with_overrides<flies::MatchOptions>(arguments.match);
+  context.measuring = {with_overrides<flies::MatchOptions>(arguments.match),
+                       with_overrides<flies::PeopleOptions>(arguments.people),
+                       with_overrides<flies::EstimateOptions>(arguments.estimate)};
   context.dense = with_overrides<flies::DenseOptions>(arguments.dense);
-  context.estimate = with_overrides<flies::EstimateOptions>(arguments.estimate);
+  context.hog = with_overrides<flies::HogOptions>(arguments.hog);
 
-  const flies::Dataset dataset = flies::open_dataset(arguments.folder, dataset_request(arguments));
+  flies::Dataset dataset = flies::open_dataset(arguments.folder, dataset_request(arguments));
+  if (!arguments.unlabelled.empty())
+    dataset =
+        flies::with_unlabelled(std::move(dataset), flies::read_unlabelled(arguments.unlabelled), arguments.unlabelled);
   context.kind = dataset.kind;
   const auto frames = frames_of(arguments, dataset.pairs.size());
   const auto methods = methods_of(arguments, context.options, dataset);
@@ -132,11 +144,12 @@ void run_evaluate(const EvaluateArguments& arguments) {
     cv::setNumThreads(context.options.threads);
   }
   std::optional<ProgressBar> progress(std::in_place, frames.size());
-  const auto evaluation = flies::evaluate(dataset, frames, methods, context.match, context.estimate,
-                                          [&](std::size_t done) { progress->show(done); });
+  const auto evaluation =
+      flies::evaluate(dataset, frames, methods, context.measuring, [&](std::size_t done) { progress->show(done); });
   progress.reset();
 
   say_notes(dataset.notes);
+  if (!arguments.plot.empty()) flies::write_png(arguments.plot, people_curves(evaluation));
   if (json) {
     json->write(evaluation_json(evaluation, context));
     json->commit();
@@ -147,7 +160,9 @@ void run_evaluate(const EvaluateArguments& arguments) {
 }
 
 void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
-  command.add_option("TRUTH", arguments.folder, "KITTI drive or object folder, result of flies synth, or foot points")
+  command
+      .add_option("TRUTH", arguments.folder,
+                  "KITTI drive or object folder, result of flies synth, or foot points of people")
       ->required();
   command.add_option("--cameras", arguments.cameras, "of a KITTI drive, e.g. 2,3; else 0,1 when there, else 2,3")
       ->delimiter(',')
@@ -161,6 +176,10 @@ void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
       ->type_name("DEG");
   command.add_option("--camera-roll", arguments.camera_roll_deg, "degrees, positive when it leans to the right")
       ->type_name("DEG");
+  command
+      .add_option("--unlabelled", arguments.unlabelled,
+                  "people who are real but not labelled, to be ignored: name,left,top,width,height a line")
+      ->type_name("FILE");
   command.add_option("--start", arguments.start, "first pair, from 0")->check(CLI::NonNegativeNumber)->type_name("N");
   command.add_option("--step", arguments.step, "every so many pairs")->check(CLI::PositiveNumber)->type_name("N");
 }
@@ -181,7 +200,7 @@ void add_dotted_options(CLI::App& command, const std::string& name, Overrides& o
 }  // namespace
 
 void setup_evaluate(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("evaluate", "measure obstacles against known truth");
+  CLI::App* command = app.add_subcommand("evaluate", "measure obstacles and people against known truth");
   const auto arguments = std::make_shared<EvaluateArguments>();
   add_truth_options(*command, *arguments);
   command
@@ -199,26 +218,35 @@ void setup_evaluate(CLI::App& app) {
       ->group("Method");
   command
       ->add_option("--yardstick", arguments->yardsticks,
-                   "measured in the same run: sgbm, sgbm-3way (OpenCV's dense matching), default, paper")
+                   "measured in the same run: sgbm, sgbm-3way (OpenCV's dense matching), hog-48x96, hog-64x128\n"
+                   "(OpenCV's search of the whole image for people), default, paper")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("LIST")
       ->group("Method");
   add_dotted_options<flies::DenseOptions>(*command, "dense", arguments->dense);
+  add_dotted_options<flies::HogOptions>(*command, "hog", arguments->hog);
   add_dotted_options<flies::MatchOptions>(*command, "match", arguments->match);
+  add_dotted_options<flies::PeopleOptions>(*command, "people", arguments->people);
   add_dotted_options<flies::EstimateOptions>(*command, "estimate", arguments->estimate);
-  command->add_flag("--missed", arguments->missed, "list the objects that were missed, pair by pair")->group("Output");
+  command->add_flag("--missed", arguments->missed, "list what was missed and, of people, false alarms, pair by pair")
+      ->group("Output");
+  command->add_option("--plot", arguments->plot, "people: miss rate over false alarms a pair, as PNG")
+      ->type_name("FILE")
+      ->group("Output");
   command->add_option("--json", arguments->json, "all numbers as JSON; - is standard output, without the table")
       ->type_name("FILE")
       ->group("Output");
   command->footer(
       "\nThe kind of truth is recognised from the folder's content; docs/evaluation.md describes each kind, the\n"
-      "measures and the JSON. Times are those of one pair after another, from the pair to its obstacles.\n"
+      "measures and the JSON. Times are those of one pair after another. --start 0 --step 2 takes the even\n"
+      "pairs, --start 1 --step 2 the odd ones.\n"
       "\nExamples:\n"
       "  flies evaluate 2011_09_26/2011_09_26_drive_0005_sync --yardstick sgbm,sgbm-3way\n"
       "  flies evaluate kitti/object/training --preset paper --missed\n"
       "  flies synth street --frames 20 && flies evaluate street --json measures.json\n"
       "  flies evaluate street --detections found.jsonl\n"
+      "  flies evaluate eth_bahnhof/rectified --camera-height 0.98 --yardstick hog-48x96,hog-64x128 --missed\n"
       "\nExit status: 0 done, 2 a fault in the input, told in one line.");
   command->callback([arguments] { run_evaluate(*arguments); });
 }

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
 #include "flies/core/options.hpp"
+#include "flies/draw/curves.hpp"
 #include "report_json.hpp"
 
 namespace {
@@ -62,6 +65,15 @@ constexpr Row kPartRows[] = {
     {"width error, median |.| [m]", "absolute_width_error_m", kMetres},
     {"height error, median |.| [m]", "absolute_height_error_m", kMetres},
 };
+constexpr Row kPeopleRows[] = {
+    {"log-average miss rate", "log_average_miss_rate", kShare},
+    {"miss rate at the threshold", "miss_rate", kShare},
+    {"false alarms a pair", "false_alarms_per_frame", kMetres},
+    {"range error, median |.| [%]", "absolute_range_error", kPercent},
+    {"range error, 95 % of |.| [%]", "absolute_range_error_95", kPercent},
+    {"range error, median signed [%]", "range_error", kSignedPercent},
+    {"position error, median [m]", "position_error_m", kMetres},
+};
 
 std::string number(double value, const Style& style) {
   const double scaled = value * style.scale;
@@ -69,15 +81,17 @@ std::string number(double value, const Style& style) {
                         : fmt::format("{:.{}f}", scaled, style.decimals);
 }
 
-/// "0.981 (0.970-0.990) ~0.004": median, interval over frames, spread over seeds.
-std::string cell(const MethodResult& method, const MeasureKey& key, const Style& style, bool with_interval) {
-  const auto found = method.estimates.find(key);
-  if (found == method.estimates.end()) return "-";
+using Estimates = std::map<MeasureKey, Estimate>;
+
+/// "0.981 (0.970..0.990) ~0.004": median, interval over frames, spread over seeds.
+std::string cell(const Estimates& estimates, int runs, const MeasureKey& key, const Style& style, bool with_interval) {
+  const auto found = estimates.find(key);
+  if (found == estimates.end()) return "-";
   const Estimate& estimate = found->second;
   std::string text = number(estimate.median, style);
   if (with_interval && estimate.low && estimate.high)
     text += fmt::format(" ({}..{})", number(*estimate.low, style), number(*estimate.high, style));
-  if (with_interval && method.runs > 1) text += " ~" + number(estimate.spread, {style.scale, style.decimals, false});
+  if (with_interval && runs > 1) text += " ~" + number(estimate.spread, {style.scale, style.decimals, false});
   return text;
 }
 
@@ -100,8 +114,9 @@ std::string part_lines(const Evaluation& evaluation, Group group, const std::str
   std::string text;
   for (const auto& row : kPartRows) {
     const MeasureKey key{group, part, row.measure};
-    text += line(evaluation, fmt::format("  {}", row.label),
-                 [&](const MethodResult& method) { return cell(method, key, row.style, false); });
+    text += line(evaluation, fmt::format("  {}", row.label), [&](const MethodResult& method) {
+      return cell(method.estimates, method.runs, key, row.style, false);
+    });
   }
   if (text.empty()) return "";
   return fmt::format("{}, {} {}\n", part, objects, objects == 1 ? "object" : "objects") + text;
@@ -128,6 +143,82 @@ Json json_of(const flies::MissedInRuns& missed) {
           {"runs", missed.runs}};
 }
 
+/// A cell of the people's part; methods that do not look for them have none.
+std::string people_cell(const MethodResult& method, const MeasureKey& key, const Style& style, bool with_interval) {
+  return method.people ? cell(method.people->estimates, method.runs, key, style, with_interval) : "-";
+}
+
+/// Everything on people: all, then by range.
+std::string people_lines(const Evaluation& evaluation, const flies::PeopleOptions& options) {
+  std::string text = fmt::format("people: {} to be found to {:g} m, at least {:g} px high\n", evaluation.people,
+                                 options.max_range_m, options.min_height_px);
+  for (const auto& row : kPeopleRows)
+    text += line(evaluation, fmt::format("  {}", row.label), [&](const MethodResult& method) {
+      return people_cell(method, {Group::all, "", row.measure}, row.style, true);
+    });
+  text += line(evaluation, "  time to the verdicts [ms]", [](const MethodResult& method) {
+    return method.people && method.people->time_ms ? fmt::format("{:.1f}", *method.people->time_ms) : "-";
+  });
+  for (const auto& [part, count] : evaluation.people_by_range) {
+    text += fmt::format("  {}, {} {}\n", part, count, count == 1 ? "person" : "people");
+    for (const auto& row : kPeopleRows)
+      text += line(evaluation, fmt::format("    {}", row.label), [&, &part = part](const MethodResult& method) {
+        return people_cell(method, {Group::by_range, part, row.measure}, row.style, false);
+      });
+  }
+  return text;
+}
+
+bool looks_for_people(const Evaluation& evaluation) {
+  return std::any_of(evaluation.methods.begin(), evaluation.methods.end(),
+                     [](const MethodResult& method) { return method.people.has_value(); });
+}
+
+std::string missed_line(const flies::MissedInRuns& missed, int runs) {
+  const auto& object = missed.object;
+  return fmt::format("  {:<12} {:<16} x {:6.2f} y {:6.2f} m, near face {:5.2f} m, occlusion {}, in {} of {} runs\n",
+                     missed.frame_name, fmt::format("{} {}", object.type, object.track), object.footprint.x_m,
+                     object.footprint.y_m, flies::near_range_m(object.footprint), object.occlusion, missed.runs, runs);
+}
+
+std::string false_alarm_line(const flies::FalseAlarm& alarm) {
+  const auto& [name, p] = alarm;
+  return fmt::format("  {:<12} probability {:.4f}, x {:6.2f} y {:6.2f} m, box u {:.0f} v {:.0f}, {:.0f} x {:.0f} px\n",
+                     name, p.probability, p.x_m, p.y_m, p.box.u_px, p.box.v_px, p.box.width_px, p.box.height_px);
+}
+
+Json json_of(const flies::ErrorPoint& point) {
+  return {{"false_alarms_per_frame", rounded(point.false_positives)}, {"miss_rate", rounded(point.miss_rate)}};
+}
+
+Json json_of(const flies::FalseAlarm& alarm) {
+  const auto& [name, person] = alarm;
+  return {{"name", name},
+          {"x_m", rounded(person.x_m)},
+          {"y_m", rounded(person.y_m)},
+          {"probability", rounded(person.probability)},
+          {"box",
+           {{"u_px", rounded(person.box.u_px)},
+            {"v_px", rounded(person.box.v_px)},
+            {"width_px", rounded(person.box.width_px)},
+            {"height_px", rounded(person.box.height_px)}}}};
+}
+
+Json json_of(const flies::PeopleResult& people, const Evaluation& evaluation) {
+  Json json;
+  json["time_ms"] = people.time_ms ? rounded(*people.time_ms) : Json(nullptr);
+  json["all"] = json["by_range"] = Json::object();
+  for (const auto& [part, count] : evaluation.people_by_range) json["by_range"][part]["people"] = count;
+  for (const auto& [key, estimate] : people.estimates)
+    (key.group == Group::all ? json["all"] : json["by_range"][key.part])[key.measure] = json_of(estimate);
+  json["operating_point"] = json_of(people.operating_point);
+  for (const auto* list : {"curve", "missed", "false_alarms"}) json[list] = Json::array();
+  for (const auto& point : people.curve) json["curve"].push_back(json_of(point));
+  for (const auto& missed : people.missed) json["missed"].push_back(json_of(missed));
+  for (const auto& alarm : people.false_alarms) json["false_alarms"].push_back(json_of(alarm));
+  return json;
+}
+
 Json json_of(const MethodResult& method, const Evaluation& evaluation) {
   Json json = {{"name", method.name}, {"runs", method.runs}};
   json["time_ms"] = method.time_ms ? rounded(*method.time_ms) : Json(nullptr);
@@ -141,6 +232,7 @@ Json json_of(const MethodResult& method, const Evaluation& evaluation) {
   }
   json["missed"] = Json::array();
   for (const auto& missed : method.missed) json["missed"].push_back(json_of(missed));
+  json["people"] = method.people ? json_of(*method.people, evaluation) : Json(nullptr);
   return json;
 }
 
@@ -150,15 +242,15 @@ std::string evaluation_table(const Evaluation& evaluation, const EvaluationConte
   std::string text = fmt::format("{}: {}, {} pairs, {} with lidar, {} objects to be found from {:g} to {:g} m\n",
                                  context.folder, flies::kTruthKindNames[static_cast<std::size_t>(context.kind)],
                                  evaluation.frames, evaluation.frames_with_lidar, evaluation.objects,
-                                 context.match.min_range_m, context.match.max_range_m);
+                                 context.measuring.match.min_range_m, context.measuring.match.max_range_m);
   text += fmt::format("median of the runs ({:g} % interval over pairs) ~spread of the runs\n",
-                      100.0 * context.estimate.confidence);
+                      100.0 * context.measuring.estimate.confidence);
   text += line(evaluation, "", [](const MethodResult& method) {
     return fmt::format("{}, {} {}", method.name, method.runs, method.runs == 1 ? "run" : "runs");
   });
   for (const auto& row : kRows)
     text += line(evaluation, row.label, [&](const MethodResult& method) {
-      return cell(method, {Group::all, "", row.measure}, row.style, true);
+      return cell(method.estimates, method.runs, {Group::all, "", row.measure}, row.style, true);
     });
   text += line(evaluation, "fitness evaluations a pair", [](const MethodResult& method) {
     return method.evaluations ? fmt::format("{:.0f}", *method.evaluations) : "-";
@@ -168,20 +260,38 @@ std::string evaluation_table(const Evaluation& evaluation, const EvaluationConte
   });
   for (const auto& [part, count] : evaluation.by_class) text += part_lines(evaluation, Group::by_class, part, count);
   for (const auto& [part, count] : evaluation.by_range) text += part_lines(evaluation, Group::by_range, part, count);
+  if (looks_for_people(evaluation)) text += people_lines(evaluation, context.measuring.people);
   return text;
 }
 
 std::string missed_table(const Evaluation& evaluation) {
   std::string text;
+  const auto heading = [](const std::string& what, const std::string& method, bool is_empty) {
+    return fmt::format("{} {}{}\n", what, method, is_empty ? ": nothing" : ":");
+  };
   for (const auto& method : evaluation.methods) {
-    text += fmt::format("missed by {}{}\n", method.name, method.missed.empty() ? ": nothing" : ":");
-    for (const auto& [name, object, runs] : method.missed)
-      text +=
-          fmt::format("  {:<12} {:<16} x {:6.2f} y {:6.2f} m, near face {:5.2f} m, occlusion {}, in {} of {} runs\n",
-                      name, fmt::format("{} {}", object.type, object.track), object.footprint.x_m, object.footprint.y_m,
-                      flies::near_range_m(object.footprint), object.occlusion, runs, method.runs);
+    if (method.finds_obstacles) {
+      text += heading("missed by", method.name, method.missed.empty());
+      for (const auto& missed : method.missed) text += missed_line(missed, method.runs);
+    }
+    if (!method.people) continue;
+    text += heading("people missed by", method.name, method.people->missed.empty());
+    for (const auto& missed : method.people->missed) text += missed_line(missed, method.runs);
+    text += heading(method.runs > 1 ? "false alarms on people, first run of" : "false alarms on people of", method.name,
+                    method.people->false_alarms.empty());
+    for (const auto& alarm : method.people->false_alarms) text += false_alarm_line(alarm);
   }
   return text;
+}
+
+cv::Mat people_curves(const Evaluation& evaluation) {
+  std::vector<flies::ErrorCurve> curves;
+  for (const auto& method : evaluation.methods)
+    if (method.people) curves.push_back({method.name, method.people->curve, method.people->operating_point});
+  return flies::draw_error_curves(curves, {.false_positives_label = "false alarms a pair",
+                                           .min_false_positives = 1e-2,
+                                           .max_false_positives = 10.0,
+                                           .min_miss_rate = 0.02});
 }
 
 std::string evaluation_json(const Evaluation& evaluation, const EvaluationContext& context) {
@@ -192,9 +302,12 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
                {"objects", evaluation.objects},
                {"seed", context.options.seed},
                {"preset", context.preset},
-               {"match", json_of_options(context.match)},
-               {"estimate", json_of_options(context.estimate)},
+               {"people", evaluation.people},
+               {"match", json_of_options(context.measuring.match)},
+               {"people_options", json_of_options(context.measuring.people)},
+               {"estimate", json_of_options(context.measuring.estimate)},
                {"dense", json_of_options(context.dense)},
+               {"hog", json_of_options(context.hog)},
                {"options", json_of_options(context.options)},
                {"methods", Json::array()}};
   for (const auto& method : evaluation.methods) json["methods"].push_back(json_of(method, evaluation));

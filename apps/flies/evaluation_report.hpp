@@ -1,5 +1,6 @@
 #pragma once
 
+#include <opencv2/core/mat.hpp>
 #include <string>
 
 #include "flies/eval/evaluation.hpp"
@@ -8,9 +9,9 @@
 struct EvaluationContext {
   std::string folder;
   flies::TruthKind kind = flies::TruthKind::scenes;
-  flies::MatchOptions match;
-  flies::EstimateOptions estimate;
+  flies::EvaluationOptions measuring;
   flies::DenseOptions dense;
+  flies::HogOptions hog;
   std::string preset;
   flies::DetectorOptions options;  ///< of the method's first run
 };
@@ -18,8 +19,11 @@ struct EvaluationContext {
 /// The measures for people to read: a column a method.
 std::string evaluation_table(const flies::Evaluation& evaluation, const EvaluationContext& context);
 
-/// The missed objects, a line each.
+/// The missed objects, the missed people and the false alarms, a line each.
 std::string missed_table(const flies::Evaluation& evaluation);
+
+/// Miss rates of people over false alarms a pair, CV_8UC3.
+cv::Mat people_curves(const flies::Evaluation& evaluation);
 
 /// Everything as one JSON object, see docs/evaluation.md.
 std::string evaluation_json(const flies::Evaluation& evaluation, const EvaluationContext& context);

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -91,6 +92,55 @@ TEST_F(Evaluate, PrintsATableAndTheMissedObjects) {
     EXPECT_THAT(result.out, HasSubstr(word));
 }
 
+TEST_F(Evaluate, MeasuresReportedPeopleBesideASearchOfTheWholeImage) {
+  write_text(folder.path() / "scenes/truth/a.json",
+             R"({"objects": [{"class": "pedestrian", "x_m": 10, "y_m": 0, "length_m": 0.5, "width_m": 0.5,
+                              "height_m": 1.8}]})");
+  const auto camera = street_camera();
+  // Head to feet of the labelled person, and a false alarm elsewhere.
+  const double height_px = camera.fy_px * 1.8 / 10.0,
+               foot_v_px = camera.cy_px + camera.fy_px * camera.mount.height_m / 10.0;
+  const std::string box =
+      fmt::format(R"({{"u_px": {}, "v_px": {}, "width_px": {}, "height_px": {}}})", camera.cx_px - 0.2 * height_px,
+                  foot_v_px - height_px, 0.4 * height_px, height_px);
+  write_text(folder.path() / "d.jsonl",
+             fmt::format("{{\"obstacles\": [], \"pedestrians\": [{{\"x_m\": 10.1, \"y_m\": 0, \"probability\": 0.9, "
+                         "\"box\": {0}}}]}}\n{{\"obstacles\": [], \"pedestrians\": [{{\"x_m\": 7, \"y_m\": 0, "
+                         "\"probability\": 0.4, \"box\": {0}}}]}}\n",
+                         box));
+  const Words words = evaluate({"--detections", "d.jsonl", "--yardstick", "hog-48x96,hog-64x128,sgbm"});
+  const auto with = [&](const Words& more) {
+    Words all = words;
+    all.insert(all.end(), more.begin(), more.end());
+    return run_flies(folder.path(), all);
+  };
+  const RunResult as_json = with({"--json", "-"});
+  ASSERT_EQ(as_json.status, 0) << as_json.err;
+  const json evaluation = json::parse(as_json.out);
+  EXPECT_EQ(evaluation.at("people"), 1);
+  const json& people = method(evaluation, 0).at("people");
+  EXPECT_EQ(people.at("all").at("miss_rate").at("median"), 0.0);
+  EXPECT_EQ(people.at("all").at("false_alarms_per_frame").at("median"), 0.5);
+  EXPECT_EQ(people.at("by_range").at("0-10 m").at("people"), 1);
+  EXPECT_EQ(people.at("operating_point").at("miss_rate"), 0.0);
+  ASSERT_EQ(people.at("curve").size(), 1u);
+  EXPECT_EQ(people.at("curve").at(0).at("false_alarms_per_frame"), 0.0);
+  ASSERT_EQ(people.at("false_alarms").size(), 1u);
+  EXPECT_EQ(people.at("false_alarms").at(0).at("name"), "b");
+  for (const std::size_t search : {1, 2}) {
+    EXPECT_GT(method(evaluation, search).at("people").at("time_ms").get<double>(), 0.0);
+    EXPECT_TRUE(method(evaluation, search).at("all").empty()) << "it finds no obstacles";
+  }
+  EXPECT_TRUE(method(evaluation, 3).at("people").is_null()) << "dense matching does not look for people";
+
+  const RunResult as_table = with({"--missed", "--plot", "people.png"});
+  for (const char* word :
+       {"people: 1 to be found", "log-average miss rate", "false alarms a pair", "people missed by reported: nothing",
+        "false alarms on people of reported:", "probability 0.4000"})
+    EXPECT_THAT(as_table.out, HasSubstr(word));
+  EXPECT_FALSE(cv::imread((folder.path() / "people.png").string()).empty());
+}
+
 TEST_F(Evaluate, TakesSeveralFilesAsRunsAndTheFolderLast) {
   write_text(folder.path() / "1.jsonl", "{\"obstacles\": [{\"x_m\": 10, \"y_m\": 1}]}\n{\"obstacles\": []}\n");
   write_text(folder.path() / "2.jsonl", "{\"obstacles\": []}\n{\"obstacles\": []}\n");
@@ -119,6 +169,7 @@ TEST_F(Evaluate, RepeatsItselfButForTheTimes) {
   const auto measures = [&] {
     json evaluation = json::parse(run_flies(folder.path(), evaluate({"--json", "-"})).out);
     evaluation.at("methods").at(0).erase("time_ms");
+    evaluation.at("methods").at(0).at("people").erase("time_ms");
     return evaluation;
   };
   EXPECT_EQ(measures(), measures());
@@ -186,6 +237,11 @@ std::vector<BadTruth> bad_truths() {
       {"DetectionsOfOtherPairs",
        with_detections("{\"left\": \"a.png\", \"obstacles\": []}\n{\"left\": \"z.png\", \"obstacles\": []}\n"),
        {"d.jsonl: left", "pair b"}},
+      {"PedestrianWithoutBox",
+       with_detections(
+           "{\"obstacles\": [], \"pedestrians\": [{\"x_m\": 3, \"y_m\": 0, \"score\": 1}]}\n{\"obstacles\": []}\n"),
+       {"d.jsonl: line 1: pedestrians[0].box"}},
+      {"StrideThatDoesNotFit", with_words({"--yardstick", "hog-48x96", "--hog.stride_px", "12"}), {"stride_px", "12"}},
       {"MissingDetections", with_words({"--detections", "gone.jsonl"}), {"gone.jsonl"}},
       {"UnknownYardstick", with_words({"--yardstick", "sgbm,lidar"}), {"--yardstick", "lidar", "sgbm-3way"}},
       {"StartBehindTheEnd", with_words({"--start", "2"}), {"--start", "2"}},

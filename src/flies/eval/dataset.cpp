@@ -165,9 +165,8 @@ Dataset open_foot_points(const fs::path& folder, const DatasetRequest& request) 
   return dataset;
 }
 
-}  // namespace
-
-Dataset open_dataset(const fs::path& folder, const DatasetRequest& request) {
+/// Recognises the kind.
+Dataset open_folder(const fs::path& folder, const DatasetRequest& request) {
   if (!fs::is_directory(folder)) throw InputError(folder.string(), "", "is not a folder");
   const auto has = [&](const char* name) { return fs::exists(folder / name); };
   // `flies synth` writes label_2 as well, so scenes are looked for first.
@@ -176,9 +175,22 @@ Dataset open_dataset(const fs::path& folder, const DatasetRequest& request) {
   if (has("training/label_2")) return open_kitti_object(folder / "training", request);
   if (has("tracklet_labels.xml")) return open_kitti_drive(folder, request);
   if (has("truth.csv")) return open_foot_points(folder, request);
+  if (has("rectified/truth.csv")) return open_foot_points(folder / "rectified", request);
   throw InputError(folder.string(), "",
                    "holds no truth, expected tracklet_labels.xml (KITTI drive), label_2 and calib (KITTI object), "
                    "truth with left and right (flies synth) or truth.csv (foot points)");
+}
+
+}  // namespace
+
+Dataset open_dataset(const fs::path& folder, const DatasetRequest& request) {
+  Dataset dataset = open_folder(folder, request);
+  dataset.load = [load = std::move(dataset.load)](std::size_t i) {
+    TruthFrame frame = load(i);
+    complete_boxes(frame.camera, frame.truth);
+    return frame;
+  };
+  return dataset;
 }
 
 }  // namespace flies

@@ -57,13 +57,34 @@ Obstacle obstacle_of(const json& entry, const Place& place) {
   return obstacle;
 }
 
-/// Classification comes after the obstacles, so its time does not count for them.
-std::optional<double> locating_time_ms(const json& record, const Place& place) {
+ImageBox box_of(const json& entry, const Place& place) {
+  const auto found = entry.find("box");
+  if (found == entry.end() || !found->is_object()) place.fail("box", "found none, expected an object");
+  const Place inside{place.source, place.line, place.field + ".box"};
+  return {number(*found, "u_px", inside), number(*found, "v_px", inside), number(*found, "width_px", inside),
+          number(*found, "height_px", inside)};
+}
+
+Pedestrian pedestrian_of(const json& entry, const Place& place) {
+  const Obstacle as_obstacle = obstacle_of(entry, place);
+  Pedestrian person;
+  person.x_m = as_obstacle.x_m;
+  person.y_m = as_obstacle.y_m;
+  person.range_m = as_obstacle.range_m;
+  person.height_m = as_obstacle.height_m;
+  const auto probability = optional_number(entry, "probability", place);
+  person.probability = probability ? *probability : number(entry, "score", place);
+  person.box = box_of(entry, place);
+  return person;
+}
+
+/// Sum of the times of the stages before and with the last one; nothing where none is told.
+std::optional<double> time_ms(const json& record, Stage last, const Place& place) {
   const auto stages = record.find("stage_ms");
   if (stages == record.end() || !stages->is_object()) return std::nullopt;
   std::optional<double> sum;
-  for (const auto stage : {Stage::road, Stage::evolve, Stage::concentrate}) {
-    const std::string name(kStageNames[static_cast<std::size_t>(stage)]);
+  for (std::size_t stage = 0; stage <= static_cast<std::size_t>(last); ++stage) {
+    const std::string name(kStageNames[stage]);
     if (const auto time = optional_number(*stages, name.c_str(), place)) sum = sum.value_or(0.0) + *time;
   }
   return sum;
@@ -89,7 +110,15 @@ ReportedFrame frame_of(const json& record, const std::string& source, int line) 
   if (obstacles == record.end() || !obstacles->is_array()) place.fail("obstacles", "found none, expected a list");
   for (const auto& entry : *obstacles)
     frame.obstacles.push_back(obstacle_of(entry, {source, line, fmt::format("obstacles[{}]", frame.obstacles.size())}));
-  frame.time_ms = locating_time_ms(record, place);
+  if (const auto people = record.find("pedestrians"); people != record.end()) {
+    if (!people->is_array()) place.fail("pedestrians", fmt::format("found {}, expected a list", people->type_name()));
+    frame.pedestrians.emplace();
+    for (const auto& entry : *people)
+      frame.pedestrians->push_back(
+          pedestrian_of(entry, {source, line, fmt::format("pedestrians[{}]", frame.pedestrians->size())}));
+  }
+  frame.time_ms = time_ms(record, Stage::concentrate, place);
+  frame.people_time_ms = time_ms(record, Stage::classify, place);
   return frame;
 }
 

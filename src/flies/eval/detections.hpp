@@ -16,12 +16,15 @@ struct ReportedFrame {
   std::optional<int> frame;
   std::string left;  ///< empty when the line does not say
   std::vector<Obstacle> obstacles;
-  std::optional<double> time_ms;  ///< sum of `stage_ms` up to the obstacles
+  std::optional<std::vector<Pedestrian>> pedestrians;  ///< nothing when the line has no such list
+  std::optional<double> time_ms;                       ///< sum of `stage_ms` up to the obstacles
+  std::optional<double> people_time_ms;                ///< sum of all of `stage_ms`
 };
 
 /// Reads JSON Lines of any program. An object needs "obstacles", a list whose entries need "x_m" and "y_m"; "width_m",
-/// "height_m", "score" and "range_m" (else hypot(x, y)) may be left out. Further keys are ignored, and so are empty
-/// lines.
+/// "height_m", "score" and "range_m" (else hypot(x, y)) may be left out. "pedestrians" is such a list as well; its
+/// entries need "probability" (else "score", any number that grows with it) and "box" ("u_px", "v_px", "width_px",
+/// "height_px") too, for they are matched in the image. Further keys are ignored, and so are empty lines.
 /// @param source file name, for errors
 /// @throws InputError naming the line and the key on malformed JSON, a missing key, a value of another type or a
 ///         position that is not finite

@@ -45,6 +45,14 @@ TEST(ParseDetections, ReadsWhatFliesDetectWrites) {
   obstacle.height_m = 1.75;
   obstacle.score = 0.5;
   record.obstacles = {obstacle};
+  Pedestrian person;
+  person.x_m = 12;
+  person.y_m = 5;
+  person.range_m = 13;
+  person.height_m = 1.8;
+  person.probability = 0.75;
+  person.box = {1, 2, 30, 60};
+  record.pedestrians = {person};
   record.stage_ms = {1.0, 20.0, 3.0, 100.0, 100.0};
   const auto frames = parse_detections(json_line(record) + "\n" + json_line(record), "d.jsonl");
   ASSERT_EQ(frames.size(), 2u);
@@ -58,6 +66,14 @@ TEST(ParseDetections, ReadsWhatFliesDetectWrites) {
   EXPECT_EQ(frames[0].obstacles[0].range_m, 10);
   EXPECT_EQ(frames[0].obstacles[0].width_m, 1.5);
   EXPECT_EQ(frames[0].obstacles[0].height_m, 1.75);
+  EXPECT_EQ(frames[0].people_time_ms, 224.0);
+  ASSERT_TRUE(frames[0].pedestrians && frames[0].pedestrians->size() == 1);
+  const Pedestrian& read = frames[0].pedestrians->front();
+  EXPECT_EQ(read.range_m, 13);
+  EXPECT_EQ(read.height_m, 1.8);
+  EXPECT_EQ(read.probability, 0.75);
+  EXPECT_EQ(read.box.v_px, 2);
+  EXPECT_EQ(read.box.height_px, 60);
 }
 
 TEST(ParseDetections, NeedsNoMoreThanPositions) {
@@ -66,6 +82,14 @@ TEST(ParseDetections, NeedsNoMoreThanPositions) {
   EXPECT_EQ(frames[0].obstacles[0].range_m, 5.0);
   EXPECT_FALSE(frames[0].frame.has_value());
   EXPECT_FALSE(frames[0].time_ms.has_value());
+  EXPECT_FALSE(frames[0].pedestrians.has_value()) << "it did not look for people";
+}
+
+TEST(ParseDetections, TakesAScoreForAProbability) {
+  const auto frames = parse_detections(R"({"obstacles": [], "pedestrians": [{"x_m": 3, "y_m": -4, "score": 17, )"
+                                       R"("box": {"u_px": 1, "v_px": 2, "width_px": 3, "height_px": 4}}]})",
+                                       "d.jsonl");
+  EXPECT_EQ(frames.at(0).pedestrians->at(0).probability, 17.0);
 }
 
 TEST(ParseDetections, NamesLineAndField) {
@@ -79,6 +103,14 @@ TEST(ParseDetections, NamesLineAndField) {
   EXPECT_THAT(parse_complaint(R"({"frame": 1.5, "obstacles": []})"), HasSubstr("frame: found 1.5"));
   EXPECT_THAT(parse_complaint(R"({"frame": 99999999999999, "obstacles": []})"), HasSubstr("frame: found 9999"));
   EXPECT_THAT(parse_complaint(R"({"left": 5, "obstacles": []})"), HasSubstr("left: found number"));
+  const auto of_person = [](const std::string& entry) {
+    return parse_complaint("{\"obstacles\": [], \"pedestrians\": " + entry + "}");
+  };
+  EXPECT_THAT(of_person("3"), HasSubstr("pedestrians: found number, expected a list"));
+  EXPECT_THAT(of_person(R"([{"x_m": 1, "y_m": 2}])"), HasSubstr("pedestrians[0].score: found none"));
+  EXPECT_THAT(of_person(R"([{"x_m": 1, "y_m": 2, "score": 1}])"), HasSubstr("pedestrians[0].box: found none"));
+  EXPECT_THAT(of_person(R"([{"x_m": 1, "y_m": 2, "score": 1, "box": {"u_px": 1}}])"),
+              HasSubstr("pedestrians[0].box.v_px: found none"));
 }
 
 TEST(MatchDetections, GoesByTheNameOfTheLeftImage) {

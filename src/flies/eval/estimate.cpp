@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "flies/core/random.hpp"
 
@@ -28,21 +29,19 @@ void add_accuracy(const Accuracy& accuracy, Group group, const std::string& part
 }
 
 /// Every measure's values in the runs, over some of the frames.
-std::map<MeasureKey, std::vector<double>> values_of_runs(std::span<const FrameTruth> truths,
-                                                         std::span<const std::vector<FrameScore>> runs,
+std::map<MeasureKey, std::vector<double>> values_of_runs(std::size_t runs, const ValuesOfRun& values_of,
                                                          std::span<const std::size_t> frames) {
   std::map<MeasureKey, std::vector<double>> values;
-  for (const auto& scores : runs)
-    for (const auto& [key, value] : named_values(summarize(truths, scores, frames))) values[key].push_back(value);
+  for (std::size_t run = 0; run < runs; ++run)
+    for (const auto& [key, value] : values_of(run, frames)) values[key].push_back(value);
   return values;
 }
 
 /// In how many of the frames, each by itself, a measure has a value.
-std::map<MeasureKey, int> frames_with_value(std::span<const FrameTruth> truths,
-                                            std::span<const std::vector<FrameScore>> runs) {
+std::map<MeasureKey, int> frames_with_value(std::size_t frames, std::size_t runs, const ValuesOfRun& values_of) {
   std::map<MeasureKey, int> counts;
-  for (std::size_t frame = 0; frame < truths.size(); ++frame)
-    for (const auto& [key, values] : values_of_runs(truths, runs, std::span(&frame, 1))) ++counts[key];
+  for (std::size_t frame = 0; frame < frames; ++frame)
+    for (const auto& [key, values] : values_of_runs(runs, values_of, std::span(&frame, 1))) ++counts[key];
   return counts;
 }
 
@@ -73,34 +72,43 @@ std::map<MeasureKey, double> named_values(const Measures& measures) {
   return values;
 }
 
-std::map<MeasureKey, Estimate> estimate_measures(std::span<const FrameTruth> truths,
-                                                 std::span<const std::vector<FrameScore>> runs,
-                                                 const EstimateOptions& options) {
-  assert(!runs.empty());
-  std::vector<std::size_t> frames;
-  for (std::size_t i = 0; i < truths.size(); ++i) frames.push_back(i);
+std::map<MeasureKey, Estimate> estimate_values(std::size_t frame_count, std::size_t runs, const ValuesOfRun& values_of,
+                                               const EstimateOptions& options) {
+  assert(runs >= 1);
+  std::vector<std::size_t> frames(frame_count);
+  std::iota(frames.begin(), frames.end(), std::size_t{0});
   std::map<MeasureKey, Estimate> estimates;
-  for (const auto& [key, values] : values_of_runs(truths, runs, frames)) {
+  for (const auto& [key, values] : values_of_runs(runs, values_of, frames)) {
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
     estimates[key] = {*median(values), *most - *least, std::nullopt, std::nullopt};
   }
-  if (truths.size() < 2 || options.resamples == 0) return estimates;
+  if (frame_count < 2 || options.resamples == 0) return estimates;
 
   std::map<MeasureKey, std::vector<double>> resampled;
   for (int i = 0; i < options.resamples; ++i) {
-    const auto drawn = draw_frames(truths.size(), options.seed, static_cast<std::uint32_t>(i));
-    for (auto& [key, values] : values_of_runs(truths, runs, drawn))
+    const auto drawn = draw_frames(frame_count, options.seed, static_cast<std::uint32_t>(i));
+    for (auto& [key, values] : values_of_runs(runs, values_of, drawn))
       resampled[key].push_back(*median(std::move(values)));
   }
-  const auto informative = frames_with_value(truths, runs);
+  const auto informative = frames_with_value(frame_count, runs, values_of);
   for (auto& [key, values] : resampled) {
     const auto estimate = estimates.find(key);
     // Drawing from a single frame that has a say would feign certainty.
-    if (estimate == estimates.end() || informative.at(key) < 2) continue;
+    const auto frames_of_key = informative.find(key);
+    if (estimate == estimates.end() || frames_of_key == informative.end() || frames_of_key->second < 2) continue;
     estimate->second.low = quantile(values, (1.0 - options.confidence) / 2.0);
     estimate->second.high = quantile(values, (1.0 + options.confidence) / 2.0);
   }
   return estimates;
+}
+
+std::map<MeasureKey, Estimate> estimate_measures(std::span<const FrameTruth> truths,
+                                                 std::span<const std::vector<FrameScore>> runs,
+                                                 const EstimateOptions& options) {
+  const auto values = [&](std::size_t run, std::span<const std::size_t> frames) {
+    return named_values(summarize(truths, runs[run], frames));
+  };
+  return estimate_values(truths.size(), runs.size(), values, options);
 }
 
 }  // namespace flies

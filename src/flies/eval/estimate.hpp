@@ -1,7 +1,9 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -47,11 +49,19 @@ struct MeasureKey {
 /// Every measure that has a value, by its name.
 std::map<MeasureKey, double> named_values(const Measures& measures);
 
+/// Measures of one run over some of the frames; one that is named twice counts twice.
+using ValuesOfRun = std::function<std::map<MeasureKey, double>(std::size_t run, std::span<const std::size_t> frames)>;
+
 /// Median and spread of every measure over the runs, and its interval by the bootstrap over frames (Efron 1979,
 /// percentile method): frames are drawn with replacement, the same for every run, and the median over the runs is
 /// measured anew. Frames of a sequence resemble their neighbours, so its intervals come out too narrow.
-/// @param runs per run the scores of every frame, in the order of `truths`; at least one run
+/// @param runs at least 1
 /// @returns measures that have a value in at least one run
+std::map<MeasureKey, Estimate> estimate_values(std::size_t frames, std::size_t runs, const ValuesOfRun& values,
+                                               const EstimateOptions& options = {});
+
+/// The same for the measures of obstacles.
+/// @param runs per run the scores of every frame, in the order of `truths`; at least one run
 std::map<MeasureKey, Estimate> estimate_measures(std::span<const FrameTruth> truths,
                                                  std::span<const std::vector<FrameScore>> runs,
                                                  const EstimateOptions& options = {});

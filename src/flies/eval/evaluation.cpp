@@ -14,7 +14,15 @@ namespace {
 struct RunRecord {
   std::vector<FrameScore> scores;
   std::vector<double> times_ms, evaluations;
+  PeopleRun people;  ///< empty when it does not look for them
+  std::vector<double> people_times_ms;
 };
+
+/// Below the threshold of any model by more than its log-odds reach.
+constexpr double kAllVerdicts = 100.0;
+
+/// Where the search of the whole image gives up: dozens of false alarms a pair.
+constexpr double kLeastProbability = 0.15;
 
 double stage_ms(const Detection& detection, Stage stage) { return detection.stage_ms[static_cast<std::size_t>(stage)]; }
 
@@ -31,11 +39,67 @@ std::vector<MissedInRuns> missed_objects(const std::vector<FrameTruth>& truths, 
   return missed;
 }
 
-MethodResult judge(const std::string& name, const std::vector<FrameTruth>& truths, const std::vector<RunRecord>& runs,
-                   const EstimateOptions& options) {
+std::vector<MissedInRuns> missed_people(const std::vector<FrameTruth>& truths, const std::vector<PeopleRun>& runs,
+                                        double threshold) {
+  const auto is_found = [&](const PeopleFrame& frame, std::size_t object) {
+    return std::any_of(frame.verdicts.begin(), frame.verdicts.end(), [&](const PersonVerdict& verdict) {
+      return verdict.object == static_cast<int>(object) && verdict.person.probability > threshold;
+    });
+  };
+  std::vector<MissedInRuns> missed;
+  for (std::size_t f = 0; f < truths.size(); ++f) {
+    for (std::size_t i = 0; i < truths[f].objects.size(); ++i) {
+      const auto count = std::count_if(runs.begin(), runs.end(), [&](const PeopleRun& run) {
+        return run[f].roles[i] == PersonRole::counted && !is_found(run[f], i);
+      });
+      if (count > 0) missed.push_back({truths[f].name, truths[f].objects[i], static_cast<int>(count)});
+    }
+  }
+  return missed;
+}
+
+std::vector<FalseAlarm> false_alarms(const std::vector<FrameTruth>& truths, const PeopleRun& run, double threshold) {
+  std::vector<FalseAlarm> listed;
+  for (std::size_t f = 0; f < truths.size(); ++f)
+    for (const auto& verdict : run[f].verdicts)
+      if (verdict.kind == PersonVerdict::Kind::false_alarm && verdict.person.probability > threshold)
+        listed.push_back({truths[f].name, verdict.person});
+  return listed;
+}
+
+/// Nothing when the method does not look for people.
+std::optional<PeopleResult> judge_people(double threshold, const std::vector<FrameTruth>& truths,
+                                         const std::vector<RunRecord>& records, const EvaluationOptions& options) {
+  std::vector<PeopleRun> runs;
+  std::vector<double> times_ms;
+  for (const auto& record : records) {
+    if (record.people.size() != truths.size()) return std::nullopt;
+    runs.push_back(record.people);
+    times_ms.insert(times_ms.end(), record.people_times_ms.begin(), record.people_times_ms.end());
+  }
+  PeopleResult result;
+  result.estimates = estimate_values(
+      truths.size(), runs.size(),
+      [&](std::size_t run, std::span<const std::size_t> frames) {
+        return people_values(runs[run], frames, threshold, options.people);
+      },
+      options.estimate);
+  result.curve = people_curve(runs);
+  result.operating_point = people_operating_point(runs, threshold);
+  result.time_ms = median(std::move(times_ms));
+  result.missed = missed_people(truths, runs, threshold);
+  result.false_alarms = false_alarms(truths, runs.front(), threshold);
+  return result;
+}
+
+MethodResult judge(const Method& method, const std::vector<FrameTruth>& truths, const std::vector<RunRecord>& runs,
+                   const EvaluationOptions& options) {
   MethodResult result;
-  result.name = name;
+  result.name = method.name;
   result.runs = static_cast<int>(runs.size());
+  result.finds_obstacles = method.finds_obstacles;
+  result.people = judge_people(method.people_threshold, truths, runs, options);
+  if (!method.finds_obstacles) return result;
   std::vector<std::vector<FrameScore>> scores;
   std::vector<double> times_ms, evaluations;
   for (const auto& run : runs) {
@@ -43,7 +107,7 @@ MethodResult judge(const std::string& name, const std::vector<FrameTruth>& truth
     times_ms.insert(times_ms.end(), run.times_ms.begin(), run.times_ms.end());
     evaluations.insert(evaluations.end(), run.evaluations.begin(), run.evaluations.end());
   }
-  result.estimates = estimate_measures(truths, scores, options);
+  result.estimates = estimate_measures(truths, scores, options.estimate);
   result.time_ms = median(std::move(times_ms));
   if (!evaluations.empty())
     result.evaluations =
@@ -53,13 +117,21 @@ MethodResult judge(const std::string& name, const std::vector<FrameTruth>& truth
 }
 
 /// No method can change which objects are to be found, so an empty report will do to count them.
-void count_objects(const std::vector<FrameTruth>& truths, const MatchOptions& match, Evaluation& evaluation) {
+void count_objects(const std::vector<FrameTruth>& truths, const EvaluationOptions& options, Evaluation& evaluation) {
   std::vector<FrameScore> scores;
-  for (const auto& truth : truths) scores.push_back(score_frame(truth, {}, match));
+  PeopleRun people;
+  for (const auto& truth : truths) {
+    scores.push_back(score_frame(truth, {}, options.match));
+    people.push_back(score_people(truth, {}, options.people));
+  }
   const Measures measures = summarize(truths, scores);
   evaluation.objects = measures.all.recall.total;
   for (const auto& part : measures.by_class) evaluation.by_class.push_back({part.name, part.accuracy.recall.total});
   for (const auto& part : measures.by_range) evaluation.by_range.push_back({part.name, part.accuracy.recall.total});
+  for (const auto& [name, count] : people_by_range(people, options.people)) {
+    evaluation.people_by_range.push_back({name, count});
+    evaluation.people += count;
+  }
 }
 
 }  // namespace
@@ -67,6 +139,9 @@ void count_objects(const std::vector<FrameTruth>& truths, const MatchOptions& ma
 Method flies_method(const std::string& name, const DetectorOptions& options, int seeds,
                     std::shared_ptr<const PeopleClassifier> classifier, bool is_sequence) {
   Method method{name, {}};
+  method.people_threshold = report_threshold(*classifier, options.classify);
+  ClassifyOptions for_curve = options.classify;
+  for_curve.threshold_offset = -kAllVerdicts;
   for (int i = 0; i < seeds; ++i) {
     DetectorOptions of_run = options;
     of_run.seed += static_cast<std::uint64_t>(i);
@@ -75,9 +150,12 @@ Method flies_method(const std::string& name, const DetectorOptions& options, int
     method.runs.push_back([=](std::size_t, const TruthFrame& frame) {
       if (!*detector || !is_sequence) detector->emplace(frame.camera, of_run, classifier);
       const Detection d = (*detector)->process(frame.images.view());
+      // The surest verdict is kept first, so that more of them below the threshold change none above it.
+      PeopleFindings people{find_people(frame.images.left.view(), d.rois, *classifier, for_curve).pedestrians,
+                            std::accumulate(d.stage_ms.begin(), d.stage_ms.end(), 0.0)};
       return Findings{d.obstacles,
                       stage_ms(d, Stage::road) + stage_ms(d, Stage::evolve) + stage_ms(d, Stage::concentrate),
-                      static_cast<double>(d.evolved.evaluations)};
+                      static_cast<double>(d.evolved.evaluations), std::move(people)};
     });
   }
   return method;
@@ -87,22 +165,35 @@ Method dense_method(DenseMatcher matcher, const DetectorOptions& options, const 
   const std::string name(EnumNames<DenseMatcher>::names[static_cast<std::size_t>(matcher)]);
   return {name, {[=](std::size_t, const TruthFrame& frame) {
             DenseDetection found = detect_densely(frame.images.view(), frame.camera, matcher, options, dense);
-            return Findings{std::move(found.obstacles), found.road_ms + found.match_ms + found.concentrate_ms, {}};
+            return Findings{std::move(found.obstacles), found.road_ms + found.match_ms + found.concentrate_ms, {}, {}};
           }}};
+}
+
+Method hog_method(HogDetector detector, const HogOptions& hog) {
+  Method method{std::string(enum_name(detector)), {}};
+  method.finds_obstacles = false;
+  method.people_threshold = hog_model(detector).threshold;
+  method.runs.push_back([=](std::size_t, const TruthFrame& frame) {
+    HogDetection found = detect_people_by_hog(frame.images.left.view(), frame.camera, detector, kLeastProbability, hog);
+    return Findings{{}, {}, {}, PeopleFindings{std::move(found.people), found.time_ms}};
+  });
+  return method;
 }
 
 Method reported_method(const std::string& name, std::vector<std::vector<ReportedFrame>> runs) {
   Method method{name, {}};
   for (auto& run : runs)
     method.runs.push_back([frames = std::move(run)](std::size_t pair, const TruthFrame&) {
-      return Findings{frames[pair].obstacles, frames[pair].time_ms, {}};
+      const ReportedFrame& frame = frames[pair];
+      Findings findings{frame.obstacles, frame.time_ms, {}, {}};
+      if (frame.pedestrians) findings.people = PeopleFindings{*frame.pedestrians, frame.people_time_ms};
+      return findings;
     });
   return method;
 }
 
 Evaluation evaluate(const Dataset& dataset, std::span<const std::size_t> frames, const std::vector<Method>& methods,
-                    const MatchOptions& match, const EstimateOptions& estimate,
-                    const std::function<void(std::size_t)>& progress) {
+                    const EvaluationOptions& options, const std::function<void(std::size_t)>& progress) {
   Evaluation evaluation;
   evaluation.frames = frames.size();
   std::vector<FrameTruth> truths;
@@ -116,9 +207,12 @@ Evaluation evaluate(const Dataset& dataset, std::span<const std::size_t> frames,
       for (std::size_t r = 0; r < methods[m].runs.size(); ++r) {
         const Findings findings = methods[m].runs[r](pair, frame);
         RunRecord& record = records[m][r];
-        record.scores.push_back(score_frame(frame.truth, findings.obstacles, match));
+        record.scores.push_back(score_frame(frame.truth, findings.obstacles, options.match));
         if (findings.time_ms) record.times_ms.push_back(*findings.time_ms);
         if (findings.evaluations) record.evaluations.push_back(*findings.evaluations);
+        if (!findings.people) continue;
+        record.people.push_back(score_people(frame.truth, findings.people->people, options.people));
+        if (findings.people->time_ms) record.people_times_ms.push_back(*findings.people->time_ms);
       }
     }
     evaluation.frames_with_lidar += !frame.truth.lidar.empty();
@@ -126,9 +220,9 @@ Evaluation evaluate(const Dataset& dataset, std::span<const std::size_t> frames,
     truths.push_back(std::move(frame.truth));
     if (progress) progress(truths.size());
   }
-  count_objects(truths, match, evaluation);
+  count_objects(truths, options, evaluation);
   for (std::size_t m = 0; m < methods.size(); ++m)
-    evaluation.methods.push_back(judge(methods[m].name, truths, records[m], estimate));
+    evaluation.methods.push_back(judge(methods[m], truths, records[m], options));
   return evaluation;
 }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,17 +16,26 @@
 #include "flies/eval/dataset.hpp"
 #include "flies/eval/detections.hpp"
 #include "flies/eval/estimate.hpp"
+#include "flies/eval/hog_yardstick.hpp"
+#include "flies/eval/people.hpp"
 #include "flies/eval/score.hpp"
 #include "flies/eval/yardstick.hpp"
 #include "flies/pipeline/detector.hpp"
 
 namespace flies {
 
+/// The people that a method reports for one pair.
+struct PeopleFindings {
+  std::vector<Pedestrian> people;  ///< also those below the threshold, for the curve; all when that is not known
+  std::optional<double> time_ms;   ///< from the pair to these verdicts
+};
+
 /// What a method reports for one pair, and what it cost.
 struct Findings {
   std::vector<Obstacle> obstacles;
-  std::optional<double> time_ms;      ///< from the pair to its obstacles, without classification
-  std::optional<double> evaluations;  ///< of the fitness
+  std::optional<double> time_ms;         ///< from the pair to its obstacles, without classification
+  std::optional<double> evaluations;     ///< of the fitness
+  std::optional<PeopleFindings> people;  ///< nothing from a method that does not look for people
 };
 
 /// Something that finds obstacles: several runs that differ in their seeds. A run sees the pairs in order.
@@ -34,11 +44,16 @@ using FindingRun = std::function<Findings(std::size_t, const TruthFrame&)>;
 struct Method {
   std::string name;
   std::vector<FindingRun> runs;
+  bool finds_obstacles = true;                                         ///< otherwise people only
+  double people_threshold = -std::numeric_limits<double>::infinity();  ///< that reported people exceed
 };
 
 /// The detector with seeds `options.seed`, `options.seed` + 1, ... On a sequence, each pair steers the next one.
 Method flies_method(const std::string& name, const DetectorOptions& options, int seeds,
                     std::shared_ptr<const PeopleClassifier> classifier, bool is_sequence);
+
+/// OpenCV's search of the whole left image for people as a yardstick; without random numbers, so one run.
+Method hog_method(HogDetector detector, const HogOptions& hog = {});
 
 /// Dense matching as a yardstick; without random numbers, so one run.
 Method dense_method(DenseMatcher matcher, const DetectorOptions& options, const DenseOptions& dense = {});
@@ -53,14 +68,32 @@ struct MissedInRuns {
   int runs = 0;  ///< that missed it
 };
 
+/// A report that no person stands behind.
+struct FalseAlarm {
+  std::string frame_name;
+  Pedestrian person;
+};
+
+/// How one method did on people.
+struct PeopleResult {
+  std::map<MeasureKey, Estimate> estimates;  ///< names as of `people_values`
+  std::vector<ErrorPoint> curve;             ///< all runs together
+  ErrorPoint operating_point;
+  std::optional<double> time_ms;         ///< median over pairs and runs, from the pair to its verdicts
+  std::vector<MissedInRuns> missed;      ///< at the threshold, in order of frames
+  std::vector<FalseAlarm> false_alarms;  ///< of the first run at the threshold, in order of frames
+};
+
 /// How one method did.
 struct MethodResult {
   std::string name;
   int runs = 0;
+  bool finds_obstacles = true;
   std::map<MeasureKey, Estimate> estimates;
   std::optional<double> time_ms;      ///< median over pairs and runs
   std::optional<double> evaluations;  ///< mean over pairs and runs
   std::vector<MissedInRuns> missed;   ///< in order of frames
+  std::optional<PeopleResult> people;
 };
 
 /// How many labelled objects of a class or a band of range are to be found.
@@ -75,15 +108,23 @@ struct Evaluation {
   int objects = 0;                    ///< labelled ones that are to be found
   std::vector<ObjectCount> by_class;  ///< in alphabetical order
   std::vector<ObjectCount> by_range;  ///< from near to far
+  int people = 0;                     ///< that are to be found
+  std::vector<ObjectCount> people_by_range;
   std::vector<MethodResult> methods;
 };
 
-/// Lets every method find obstacles in the pairs of the dataset and measures them against its truth.
+/// How it is measured.
+struct EvaluationOptions {
+  MatchOptions match = {};
+  PeopleOptions people = {};
+  EstimateOptions estimate = {};
+};
+
+/// Lets every method find obstacles and people in the pairs of the dataset and measures them against its truth.
 /// @param frames   indices of pairs, in order
 /// @param progress called with the number of pairs done
 /// @throws InputError from reading the pairs and from the methods
 Evaluation evaluate(const Dataset& dataset, std::span<const std::size_t> frames, const std::vector<Method>& methods,
-                    const MatchOptions& match = {}, const EstimateOptions& estimate = {},
-                    const std::function<void(std::size_t)>& progress = {});
+                    const EvaluationOptions& options = {}, const std::function<void(std::size_t)>& progress = {});
 
 }  // namespace flies

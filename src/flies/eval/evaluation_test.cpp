@@ -48,7 +48,7 @@ Dataset made_up_dataset(std::size_t pairs) {
 }
 
 Findings findings(std::vector<Obstacle> obstacles, double time_ms, double evaluations) {
-  return {std::move(obstacles), time_ms, evaluations};
+  return {std::move(obstacles), time_ms, evaluations, {}};
 }
 
 TEST(Evaluate, MeasuresEveryRunOfEveryMethod) {
@@ -64,7 +64,7 @@ TEST(Evaluate, MeasuresEveryRunOfEveryMethod) {
                        }}};
   std::vector<std::size_t> progress;
   const Evaluation evaluation =
-      evaluate(dataset, frames, {sure, unsure}, {}, {}, [&](std::size_t done) { progress.push_back(done); });
+      evaluate(dataset, frames, {sure, unsure}, {}, [&](std::size_t done) { progress.push_back(done); });
 
   EXPECT_EQ(progress, (std::vector<std::size_t>{1, 2, 3}));
   EXPECT_EQ(evaluation.frames, 3u);

@@ -51,10 +51,15 @@ std::vector<FrameTruth> parse_foot_points(std::string_view text, const std::stri
     LabelledObject person;
     person.type = "Pedestrian";
     person.track = static_cast<int>(values[1]);
-    person.footprint = {foot.x_m, foot.y_m, 0.0, kPersonFootprint_m, kPersonFootprint_m};
+    // The lower edge of a box is where the nearer foot stands: the near face.
+    const double azimuth_rad = std::atan2(foot.y_m, foot.x_m);
+    person.footprint = {foot.x_m + kPersonFootprint_m / 2.0 * std::cos(azimuth_rad),
+                        foot.y_m + kPersonFootprint_m / 2.0 * std::sin(azimuth_rad), azimuth_rad, kPersonFootprint_m,
+                        kPersonFootprint_m};
     person.bottom_z_m = foot.z_m;
     person.height_m = values[5] * values[9] / camera.fy_px;
     person.visible = values[6] != 0.0;
+    person.box = {values[2], values[3], values[4], values[5]};
     frames[frame].objects.push_back(std::move(person));
   }
   return frames;

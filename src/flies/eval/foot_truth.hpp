@@ -13,8 +13,8 @@ namespace flies {
 /// Reads people given by the points where they stand: lines of
 /// `frame,id,left,top,width,height,considered,X,Y,Z`, frames counted from 1, the box in pixels of the rectified left
 /// image and the foot point in metres of the rectified left camera (x right, y down, z forward); `#` starts a comment.
-/// Every entry becomes a "Pedestrian" with a footprint of 0.5 m by 0.5 m and the height that its box implies;
-/// `considered` = 1 makes it `visible`.
+/// Every entry becomes a "Pedestrian" with a footprint of 0.5 m by 0.5 m, whose near face is the foot point, and the
+/// height that its box implies; `considered` = 1 makes it `visible`.
 /// @param text   the whole file
 /// @param source its name, for errors
 /// @param camera the rectified left camera; its mount places the vehicle frame

@@ -172,14 +172,21 @@ std::vector<KittiLabel> parse_labels(std::string_view text, const std::string& s
   for (std::string line; std::getline(stream, line);) {
     ++number;
     const auto words = split_words(line);
-    if (words.empty() || words[0] == "DontCare") continue;
+    if (words.empty()) continue;
     const std::string field = fmt::format("line {}", number);
     if (words.size() != 15 && words.size() != 16) {
       throw InputError(source, field, fmt::format("found {} fields, expected 15", words.size()));
     }
     const auto at = [&](std::size_t i) { return parse_number(words[i], source, field); };
-    labels.push_back(
-        {words[0], at(1), static_cast<int>(at(2)), at(8), at(9), at(10), {at(11), at(12), at(13)}, at(14)});
+    labels.push_back({words[0],
+                      at(1),
+                      static_cast<int>(at(2)),
+                      {at(4), at(5), at(6) - at(4), at(7) - at(5)},
+                      at(8),
+                      at(9),
+                      at(10),
+                      {at(11), at(12), at(13)},
+                      at(14)});
   }
   return labels;
 }
@@ -240,7 +247,12 @@ FrameTruth read_kitti_object(const std::filesystem::path& folder, const std::str
   truth.lidar = read_lidar(folder / "velodyne" / (name + ".bin"), place, camera);
   int line = 0;
   for (const auto& label : parse_labels(detail::read_file(label_path), label_path.string())) {
+    if (label.type == "DontCare") {
+      truth.ignored_regions.push_back(label.box);
+      continue;
+    }
     LabelledObject object{label.type, line++, {0, 0, 0, label.length_m, label.width_m}};
+    object.box = label.box;
     object.height_m = label.height_m;
     object.occlusion = label.occlusion;
     object.truncation = label.truncation;

@@ -47,12 +47,13 @@ struct KittiLabel {
   std::string type;
   double truncation = 0.0;  ///< 0 to 1
   int occlusion = 0;        ///< 0 visible, 1 partly, 2 largely, 3 unknown
+  ImageBox box;             ///< in the left colour image
   double height_m = 0.0, width_m = 0.0, length_m = 0.0;
   Point3 bottom_centre;  ///< in camera 0
   double rotation_y_rad = 0.0;
 };
 
-/// Reads the text of a label file. `DontCare` lines are left out.
+/// Reads the text of a label file. `DontCare` lines hold a box, their other fields are meaningless.
 /// @throws InputError naming the line when it does not hold 15 (or, with a score, 16) fields
 std::vector<KittiLabel> parse_labels(std::string_view text, const std::string& source);
 

@@ -25,21 +25,6 @@ double quantile(std::vector<double> values, double q) {
   return *at;
 }
 
-double near_face_m(const FrameTruth& truth, const LabelledObject& object, const Obstacle& obstacle) {
-  const double azimuth = std::atan2(obstacle.y_m, obstacle.x_m);
-  std::vector<double> all, ahead;
-  for (const auto& lidar : truth.lidar) {
-    if (!is_on_object(object, lidar)) continue;
-    const double range = std::hypot(lidar.point.x_m, lidar.point.y_m);
-    all.push_back(range);
-    const double beside = lidar.point.y_m * std::cos(azimuth) - lidar.point.x_m * std::sin(azimuth);
-    if (std::abs(beside) <= kDirectionSlack_m) ahead.push_back(range);
-  }
-  if (ahead.size() >= kMinFacePoints) return quantile(std::move(ahead), kNearQuantile);
-  if (all.size() >= kMinFacePoints) return quantile(std::move(all), kNearQuantile);
-  return near_face_range_m(object.footprint, azimuth).value_or(near_range_m(object.footprint));
-}
-
 /// The object that the obstacle was reported for, -1 for none.
 int nearest_object(const FrameTruth& truth, const Obstacle& obstacle, double radius_m) {
   int nearest = -1;
@@ -55,6 +40,20 @@ int nearest_object(const FrameTruth& truth, const Obstacle& obstacle, double rad
 
 }  // namespace
 
+double near_face_m(const FrameTruth& truth, const LabelledObject& object, double azimuth_rad) {
+  std::vector<double> all, ahead;
+  for (const auto& lidar : truth.lidar) {
+    if (!is_on_object(object, lidar)) continue;
+    const double range = std::hypot(lidar.point.x_m, lidar.point.y_m);
+    all.push_back(range);
+    const double beside = lidar.point.y_m * std::cos(azimuth_rad) - lidar.point.x_m * std::sin(azimuth_rad);
+    if (std::abs(beside) <= kDirectionSlack_m) ahead.push_back(range);
+  }
+  if (ahead.size() >= kMinFacePoints) return quantile(std::move(ahead), kNearQuantile);
+  if (all.size() >= kMinFacePoints) return quantile(std::move(all), kNearQuantile);
+  return near_face_range_m(object.footprint, azimuth_rad).value_or(near_range_m(object.footprint));
+}
+
 FrameScore score_frame(const FrameTruth& truth, std::span<const Obstacle> obstacles, const MatchOptions& options) {
   FrameScore score;
   score.has_lidar = !truth.lidar.empty();
@@ -69,7 +68,7 @@ FrameScore score_frame(const FrameTruth& truth, std::span<const Obstacle> obstac
     if (verdict.object >= 0) {
       const auto& object = truth.objects[static_cast<std::size_t>(verdict.object)];
       ++score.objects[static_cast<std::size_t>(verdict.object)].reports;
-      verdict.near_range_m = near_face_m(truth, object, obstacle);
+      verdict.near_range_m = near_face_m(truth, object, std::atan2(obstacle.y_m, obstacle.x_m));
       verdict.range_error_m = obstacle.range_m - verdict.near_range_m;
       verdict.width_error_m = obstacle.width_m - seen_width_m(object.footprint);
       verdict.height_error_m = obstacle.height_m - object.height_m;

@@ -59,10 +59,14 @@ struct FrameScore {
 };
 
 /// Scores the obstacles that any detector reported for one pair.
-/// Each obstacle is reported for the one object whose footprint is nearest, if within the radius at its range. The
-/// near face is where the lidar saw it (10th percentile range of its returns close to the obstacle's direction, or
-/// of all its returns), otherwise where the ray meets the labelled box, otherwise the box's nearest point.
+/// Each obstacle is reported for the one object whose footprint is nearest, if within the radius at its range. Its
+/// range error is against `near_face_m`.
 FrameScore score_frame(const FrameTruth& truth, std::span<const Obstacle> obstacles, const MatchOptions& options = {});
+
+/// Range of the object's near face in a direction: where the lidar saw it (10th percentile range of its returns close
+/// to that direction, or of all its returns), otherwise where the ray meets the labelled box, otherwise the box's
+/// nearest point.
+double near_face_m(const FrameTruth& truth, const LabelledObject& object, double azimuth_rad);
 
 /// Pedestrians as obstacles, so that verdicts of a classifier can be scored as well.
 std::vector<Obstacle> as_obstacles(std::span<const Pedestrian> pedestrians);

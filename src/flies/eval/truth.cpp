@@ -153,6 +153,20 @@ void measure_visibility(const StereoCamera& camera, FrameTruth& truth) {
   }
 }
 
+void complete_boxes(const StereoCamera& camera, FrameTruth& truth) {
+  const Projection projection(camera);
+  for (auto& object : truth.objects) {
+    const Footprint& base = object.footprint;
+    const Point3 foot{base.x_m, base.y_m, object.bottom_z_m};
+    const double depth_m = projection.depth_m(foot);
+    if (object.box.height_px > 0.0 || depth_m < kNear_m) continue;
+    const StereoPoint low = projection.project(foot);
+    const StereoPoint high = projection.project({foot.x_m, foot.y_m, foot.z_m + object.height_m});
+    const double width_px = camera.fx_px * seen_width_m(base) / depth_m;
+    object.box = {(low.u_px + high.u_px - width_px) / 2.0, high.v_px, width_px, low.v_px - high.v_px};
+  }
+}
+
 double free_fraction(const StereoCamera& camera, const FrameTruth& truth, const LabelledObject& object) {
   constexpr int kSamples = 24;  // along each side: about 4 % of the box a row
   const Projection projection(camera);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "flies/core/results.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/eval/footprint.hpp"
 
@@ -21,6 +22,7 @@ struct LabelledObject {
   double in_view_fraction = 1.0;  ///< of its projected box that lies inside the left image
   int lidar_points = 0;           ///< inside the box and clear of the road
   bool visible = true;            ///< to be found: enough of it in view and not heavily occluded or truncated
+  ImageBox box = {};              ///< in the left image, as labelled, else see `complete_boxes`
 };
 
 /// A lidar return in the vehicle frame.
@@ -34,7 +36,8 @@ struct FrameTruth {
   int frame = 0;
   std::string name;  ///< file name stem of its left image
   std::vector<LabelledObject> objects;
-  std::vector<LidarPoint> lidar;  ///< empty when there was none
+  std::vector<LidarPoint> lidar;          ///< empty when there was none
+  std::vector<ImageBox> ignored_regions;  ///< of the left image, where people may stand that nobody labelled
 };
 
 /// A point of the left camera's frame (x right, y down, z forward along the optical axis, > 0) in the vehicle frame.
@@ -47,6 +50,10 @@ std::vector<LidarPoint> measure_above_road(std::span<const Point3> points);
 
 /// Fills `in_view_fraction`, and `lidar_points` when there is lidar.
 void measure_visibility(const StereoCamera& camera, FrameTruth& truth);
+
+/// Gives every object without a labelled box that of an upright board of its height and seen width through its middle:
+/// for a person, head to feet.
+void complete_boxes(const StereoCamera& camera, FrameTruth& truth);
 
 /// Fraction of the object's projected box that nearer objects of the frame leave free, 0 to 1.
 double free_fraction(const StereoCamera& camera, const FrameTruth& truth, const LabelledObject& object);

@@ -86,8 +86,13 @@ TEST(ParseLabels, ReadsSizesInTheOrderHeightWidthLength) {
       "Pedestrian 0.25 1 0.15 389.42 179.08 424.76 303.37 1.87 0.64 0.65 -3.21 1.97 11.22 -0.13\n"
       "DontCare -1 -1 -10 553 181 587 200 -1 -1 -1 -1000 -1000 -1000 -10\n",
       "000274.txt");
-  ASSERT_EQ(labels.size(), 1u);
+  ASSERT_EQ(labels.size(), 2u);
+  EXPECT_EQ(labels[1].type, "DontCare");
+  EXPECT_EQ(labels[1].box.u_px, 553.0);
+  EXPECT_EQ(labels[1].box.width_px, 34.0);
   EXPECT_EQ(labels[0].type, "Pedestrian");
+  EXPECT_EQ(labels[0].box.v_px, 179.08);
+  EXPECT_NEAR(labels[0].box.height_px, 124.29, 1e-9);
   EXPECT_EQ(labels[0].truncation, 0.25);
   EXPECT_EQ(labels[0].occlusion, 1);
   EXPECT_EQ(labels[0].height_m, 1.87);
@@ -114,8 +119,11 @@ TEST(ParseFootPoints, PlacesPeopleInTheVehicleFrame) {
   ASSERT_EQ(frames[1].objects.size(), 2u);
   const auto& person = frames[1].objects[0];
   EXPECT_EQ(person.track, 7);
-  EXPECT_NEAR(person.footprint.x_m, 8.75, kExact);
-  EXPECT_NEAR(person.footprint.y_m, 1.0, kExact);
+  EXPECT_NEAR(near_face_range_m(person.footprint, std::atan2(1.0, 8.75)).value(), std::hypot(8.75, 1.0), kExact)
+      << "the foot point is the near face";
+  EXPECT_NEAR(std::atan2(person.footprint.y_m, person.footprint.x_m), std::atan2(1.0, 8.75), kExact);
+  EXPECT_EQ(person.box.u_px, 10.0);
+  EXPECT_EQ(person.box.height_px, 140.0);
   EXPECT_NEAR(person.bottom_z_m, 0.1, kExact);
   EXPECT_NEAR(person.height_m, 140.0 * 8.75 / 700.0, kExact);
   EXPECT_TRUE(person.visible);

@@ -67,12 +67,6 @@ ImageBox whole_window(const GrayView& image, const std::string& file) {
   return {0.0, 0.0, static_cast<double>(image.width_px), static_cast<double>(image.height_px)};
 }
 
-std::vector<float> scores_of(const WindowClassifier& classifier, const GrayView& image,
-                             std::span<const ImageBox> windows) {
-  const auto scores = classifier(image, windows);
-  return {scores.begin(), scores.end()};
-}
-
 }  // namespace
 
 WindowData open_window_data(const fs::path& folder) {
@@ -120,7 +114,7 @@ std::vector<WindowScores> score_windows(const WindowData& data, std::span<const 
       const GrayImage image = load_gray_image(file);
       const ImageBox window = whole_window(image.view(), file);
       for (std::size_t c = 0; c < classifiers.size(); ++c)
-        scores[c].positives.back().scores.push_back(scores_of(classifiers[c], image.view(), {&window, 1}).front());
+        scores[c].positives.back().scores.push_back(classifiers[c](image.view(), {&window, 1}).front());
       count_one();
     }
   }
@@ -132,7 +126,7 @@ std::vector<WindowScores> score_windows(const WindowData& data, std::span<const 
     const auto windows = draw_windows(image.width_px, image.height_px, count, sampling, static_cast<std::uint32_t>(i));
     has_any = has_any || !windows.empty();
     for (std::size_t c = 0; c < classifiers.size(); ++c)
-      scores[c].negatives.push_back(scores_of(classifiers[c], image.view(), windows));
+      scores[c].negatives.push_back(classifiers[c](image.view(), windows));
     count_one();
   }
   if (!has_any)

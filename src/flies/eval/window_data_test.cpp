@@ -67,8 +67,8 @@ TEST_F(WindowDataTest, SharesTheNegativesOutAndLooksAtWholePositives) {
   const auto scores = score_windows(open_window_data(root), classifiers, {.negatives = 7, .min_height_px = 100},
                                     [&](std::size_t done) { last = done; });
   ASSERT_EQ(scores.size(), 2u);
-  EXPECT_THAT(scores[0].positives[0].scores, ::testing::ElementsAre(80.0F));
-  EXPECT_THAT(scores[0].positives[1].scores, ::testing::ElementsAre(64.0F, 64.0F));
+  EXPECT_THAT(scores[0].positives[0].scores, ::testing::ElementsAre(80.0));
+  EXPECT_THAT(scores[0].positives[1].scores, ::testing::ElementsAre(64.0, 64.0));
   EXPECT_EQ(scores[0].negatives[0].size(), 4u);
   EXPECT_EQ(scores[0].negatives[1].size(), 3u);
   EXPECT_EQ(scores[0].negatives, scores[1].negatives) << "all classifiers see the same windows";

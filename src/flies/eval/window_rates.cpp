@@ -16,21 +16,21 @@ constexpr double kRounding = 1e-9;  // 1e-3 of 3000 windows are 3, not 2.9999...
 
 /// A negative's score and the picture it comes from.
 struct Negative {
-  float score;
+  double score;
   std::size_t picture;
 };
 
 /// All negatives, the surest first.
-std::vector<Negative> ranked(const std::vector<std::vector<float>>& pictures) {
+std::vector<Negative> ranked(const std::vector<std::vector<double>>& pictures) {
   std::vector<Negative> all;
   for (std::size_t i = 0; i < pictures.size(); ++i)
-    for (const float score : pictures[i]) all.push_back({score, i});
+    for (const double score : pictures[i]) all.push_back({score, i});
   std::stable_sort(all.begin(), all.end(), [](const Negative& a, const Negative& b) { return a.score > b.score; });
   return all;
 }
 
 /// `threshold_at` where every picture counts `weights[picture]` times.
-double threshold_of(std::span<const Negative> ranked, const std::vector<std::vector<float>>& pictures,
+double threshold_of(std::span<const Negative> ranked, const std::vector<std::vector<double>>& pictures,
                     std::span<const int> weights, double false_positives_per_window) {
   double total = 0.0;
   for (std::size_t i = 0; i < pictures.size(); ++i) total += weights[i] * static_cast<double>(pictures[i].size());
@@ -45,14 +45,14 @@ double threshold_of(std::span<const Negative> ranked, const std::vector<std::vec
 
 /// Positives of all sets in a row, with the set of each.
 struct Positive {
-  float score;
+  double score;
   std::size_t set;
 };
 
 std::vector<Positive> flattened(const std::vector<PositiveScores>& sets) {
   std::vector<Positive> all;
   for (std::size_t i = 0; i < sets.size(); ++i)
-    for (const float score : sets[i].scores) all.push_back({score, i});
+    for (const double score : sets[i].scores) all.push_back({score, i});
   return all;
 }
 
@@ -99,9 +99,9 @@ Resampled resample(const WindowScores& scores, std::span<const Negative> negativ
 
 }  // namespace
 
-double threshold_at(std::span<const float> negatives, double false_positives_per_window) {
+double threshold_at(std::span<const double> negatives, double false_positives_per_window) {
   assert(!negatives.empty());
-  const std::vector<std::vector<float>> one_picture = {{negatives.begin(), negatives.end()}};
+  const std::vector<std::vector<double>> one_picture = {{negatives.begin(), negatives.end()}};
   const int once = 1;
   return threshold_of(ranked(one_picture), one_picture, {&once, 1}, false_positives_per_window);
 }
@@ -142,7 +142,7 @@ std::vector<ErrorPoint> error_points(const WindowScores& scores) {
   std::vector<ErrorPoint> points;
   std::size_t above = 0;
   for (std::size_t found = 1; found <= positives.size(); ++found) {
-    const float score = positives[found - 1].score;
+    const double score = positives[found - 1].score;
     // To find this person, everything that scores as high is let through.
     while (above < negatives.size() && negatives[above].score >= score) ++above;
     points.push_back({static_cast<double>(above) / static_cast<double>(negatives.size()),

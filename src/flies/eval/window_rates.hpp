@@ -13,13 +13,13 @@ namespace flies {
 /// Scores that a classifier gave to windows with a person, by the set they come from.
 struct PositiveScores {
   std::string set;
-  std::vector<float> scores;
+  std::vector<double> scores;
 };
 
 /// What a classifier made of all windows; larger scores are surer.
 struct WindowScores {
   std::vector<PositiveScores> positives;
-  std::vector<std::vector<float>> negatives;  ///< windows without a person, a list a picture
+  std::vector<std::vector<double>> negatives;  ///< windows without a person, a list a picture
 };
 
 /// Share of the people found where so many false positives are let through.
@@ -35,7 +35,7 @@ struct DetectionRate {
 /// @param negatives                  at least one
 /// @param false_positives_per_window 0..1
 /// @returns `-infinity` when all of them may count as people
-double threshold_at(std::span<const float> negatives, double false_positives_per_window);
+double threshold_at(std::span<const double> negatives, double false_positives_per_window);
 
 /// Detection rates over all sets and then by set, for each wanted rate of false positives. Intervals by the bootstrap
 /// (Efron 1979, percentile method): windows with people are drawn with replacement, and so are the pictures that the

@@ -13,9 +13,9 @@ namespace {
 constexpr std::array<double, 2> kWanted = {0.1, 0.5};
 
 /// 0, 1, ... count - 1.
-std::vector<float> ramp(int count) {
-  std::vector<float> values(static_cast<std::size_t>(count));
-  std::iota(values.begin(), values.end(), 0.0F);
+std::vector<double> ramp(int count) {
+  std::vector<double> values(static_cast<std::size_t>(count));
+  std::iota(values.begin(), values.end(), 0.0);
   return values;
 }
 
@@ -25,17 +25,17 @@ WindowScores ten_and_eight() {
 }
 
 TEST(ThresholdAt, LetsNoMoreThanTheShareThrough) {
-  EXPECT_EQ(threshold_at(ramp(1000), 1e-2), 989.0F);
-  EXPECT_EQ(threshold_at(ramp(1000), 1e-3), 998.0F);
-  EXPECT_EQ(threshold_at(ramp(1000), 1e-4), 999.0F) << "less than one window: none may pass";
-  EXPECT_EQ(threshold_at(ramp(1000), 0.0), 999.0F);
+  EXPECT_EQ(threshold_at(ramp(1000), 1e-2), 989.0);
+  EXPECT_EQ(threshold_at(ramp(1000), 1e-3), 998.0);
+  EXPECT_EQ(threshold_at(ramp(1000), 1e-4), 999.0) << "less than one window: none may pass";
+  EXPECT_EQ(threshold_at(ramp(1000), 0.0), 999.0);
   EXPECT_EQ(threshold_at(ramp(1000), 1.0), -std::numeric_limits<double>::infinity());
 }
 
 TEST(ThresholdAt, CountsTiesAsPassingTogether) {
-  const std::vector<float> negatives = {5, 5, 5, 1, 0, 0, 0, 0, 0, 0};
-  EXPECT_EQ(threshold_at(negatives, 0.2), 5.0F) << "all three fives pass a lower threshold";
-  EXPECT_EQ(threshold_at(negatives, 0.3), 1.0F);
+  const std::vector<double> negatives = {5, 5, 5, 1, 0, 0, 0, 0, 0, 0};
+  EXPECT_EQ(threshold_at(negatives, 0.2), 5.0) << "all three fives pass a lower threshold";
+  EXPECT_EQ(threshold_at(negatives, 0.3), 1.0);
 }
 
 TEST(DetectionRates, AreOfAllSetsAndThenOfEach) {
@@ -54,8 +54,8 @@ TEST(DetectionRates, AreOfAllSetsAndThenOfEach) {
 
 TEST(DetectionRates, GiveIntervalsAboutTheRateOfTheExpectedWidth) {
   // 100 of 200 people above all negatives: a standard error of 3.5 %, and 95 % within 6.9 % of the half.
-  WindowScores scores{{{"a", std::vector<float>(200, 0.0F)}}, {{1, 1}, {1, 1}}};
-  std::fill_n(scores.positives[0].scores.begin(), 100, 2.0F);
+  WindowScores scores{{{"a", std::vector<double>(200, 0.0)}}, {{1, 1}, {1, 1}}};
+  std::fill_n(scores.positives[0].scores.begin(), 100, 2.0);
   constexpr double kSlack = 0.02;  // of the 1000 resamples' quantiles, and of half a person's steps
   const auto rates = detection_rates(scores, kWanted);
   ASSERT_TRUE(rates[0].low && rates[0].high);
@@ -65,8 +65,8 @@ TEST(DetectionRates, GiveIntervalsAboutTheRateOfTheExpectedWidth) {
 
 TEST(DetectionRates, DrawWholePictures) {
   // Which picture is drawn decides the threshold: windows drawn one by one would hide that.
-  const WindowScores scores{{{"a", std::vector<float>(1000, 5.0F)}},
-                            {std::vector<float>(1000, 0.0F), std::vector<float>(1000, 9.0F)}};
+  const WindowScores scores{{{"a", std::vector<double>(1000, 5.0)}},
+                            {std::vector<double>(1000, 0.0), std::vector<double>(1000, 9.0)}};
   const std::array<double, 1> half = {0.5};
   const auto rates = detection_rates(scores, half);
   EXPECT_EQ(rates[0].rate, 1.0);

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include "flies/classify/people_model.hpp"
+#include "flies/core/gray_view.hpp"
+#include "flies/core/options.hpp"
+#include "flies/core/results.hpp"
+#include "flies/core/stereo_camera.hpp"
+
+namespace flies {
+
+/// Detectors of people that the verdicts are held against: OpenCV's, which look at the whole left image at all scales.
+enum class HogDetector {
+  hog_48x96,   ///< Daimler weights
+  hog_64x128,  ///< INRIA weights
+};
+template <>
+struct EnumNames<HogDetector> {
+  static constexpr std::array<std::string_view, 2> names = {"hog-48x96", "hog-64x128"};
+};
+
+/// The settings of a careful user.
+struct HogOptions {
+  double enlarge = 1.0;
+  double scale_step = 1.05;
+  int stride_px = 8;
+  double max_overlap = 0.5;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("enlarge", self.enlarge, Range{0.25, 8.0},
+          "the image is resized by this first: people lower than the window");
+    field("scale_step", self.scale_step, Range{1.01, 2.0}, "from one scale to the next");
+    field("stride_px", self.stride_px, Range{8, 64}, "from one window to the next, a multiple of 8");
+    field("max_overlap", self.max_overlap, Range{0.0, 1.0},
+          "of two verdicts with a larger intersection over union the surer is kept");
+  }
+};
+
+/// What was found, and in which time.
+struct HogDetection {
+  std::vector<Pedestrian> people;  ///< nearest first
+  double time_ms = 0.0;            ///< of the search, without the suppression of doubles
+};
+
+/// Searches the whole left image by `cv::HOGDescriptor::detectMultiScale` and keeps the surest of overlapping verdicts;
+/// OpenCV's own grouping would lose the scores. A box has no range of its own: it is put where a person
+/// of 1.7 m looks as high.
+/// @param least_probability of people that are reported, 0..1, by the calibration of `hog_model`
+/// @throws InputError naming `hog.stride_px` when that is no multiple of 8, or when image and camera do not fit
+HogDetection detect_people_by_hog(const GrayView& left, const StereoCamera& camera, HogDetector detector,
+                                  double least_probability, const HogOptions& options = {});
+
+/// The same weights as a model of boxes: its calibration and its threshold.
+PeopleModel hog_model(HogDetector detector);
+
+}  // namespace flies
