@@ -62,7 +62,10 @@ void measure_hit(const FrameTruth& truth, const LabelledObject& object, PersonVe
   const auto& person = verdict.person;
   verdict.near_range_m = near_face_m(truth, object, std::atan2(person.y_m, person.x_m));
   verdict.range_error_m = person.range_m - verdict.near_range_m;
-  verdict.position_error_m = distance_to_footprint_m(object.footprint, person.x_m, person.y_m);
+  const double azimuth_rad = std::atan2(object.footprint.y_m, object.footprint.x_m);
+  const double near_m = near_face_m(truth, object, azimuth_rad);
+  verdict.position_error_m =
+      std::hypot(person.x_m - near_m * std::cos(azimuth_rad), person.y_m - near_m * std::sin(azimuth_rad));
 }
 
 constexpr std::array<double, 5> kBands_m = {0.0, 10.0, 20.0, 30.0, 40.0};

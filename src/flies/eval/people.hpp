@@ -47,7 +47,7 @@ struct PersonVerdict {
   int object = -1;                ///< index of the labelled person of a hit
   double near_range_m = 0.0;      ///< of that person's near face, where the lidar or the label has it
   double range_error_m = 0.0;     ///< reported minus `near_range_m`
-  double position_error_m = 0.0;  ///< horizontal distance to that person's footprint
+  double position_error_m = 0.0;  ///< horizontal distance to the middle of that near face
 };
 
 /// Verdicts of one pair, the surest first, and the ranges of the people to be found.

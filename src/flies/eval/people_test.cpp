@@ -114,7 +114,7 @@ TEST(ScorePeople, MeasuresRangeAndPosition) {
   // The line of sight passes beside the footprint, whose nearest point is then its near face.
   EXPECT_NEAR(frame.verdicts[0].near_range_m, 10.0, kExact);
   EXPECT_NEAR(frame.verdicts[0].range_error_m, 0.4, kExact);
-  EXPECT_NEAR(frame.verdicts[0].position_error_m, 1.0, kExact);
+  EXPECT_NEAR(frame.verdicts[0].position_error_m, std::hypot(0.4, 1.25), kExact);
 }
 
 TEST(LogAverageMissRate, IsTheRateOfAFlatCurve) {
