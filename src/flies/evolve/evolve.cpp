@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "flies/core/error.hpp"
@@ -16,10 +17,6 @@ namespace {
 constexpr std::uint32_t kFirstGeneration = 0;
 constexpr std::uint32_t kChildren = 1;
 constexpr std::uint32_t kPurposes = 2;
-
-FlyDraws draws_of(const RandomSource& source, std::uint32_t purpose, std::uint32_t generation, std::size_t fly) {
-  return {source.seed, source.frame * kPurposes + purpose, generation, static_cast<std::uint32_t>(fly)};
-}
 
 std::size_t part_of(double share, std::size_t count) {
   return static_cast<std::size_t>(std::lround(share * static_cast<double>(count)));
@@ -52,17 +49,45 @@ Brood child_brood(const Scene& scene, std::size_t parents, std::size_t children)
           part_of(crossed_share + options.immigration_share, children)};
 }
 
-/// New fly `k` of a brood that follows `parents` survivors.
-StereoPoint breed(const Scene& scene, const Brood& brood, std::size_t k, const ImagePopulation& flies,
-                  std::size_t parents, double mutation_scale, FlyDraws draws) {
+/// Which draws births are made of.
+struct Chance {
+  const RandomSource& source;
+  std::uint32_t purpose, generation;
+
+  FlyRange range(std::size_t first, std::size_t count) const {
+    return {source.seed, source.frame * kPurposes + purpose, generation, static_cast<std::uint32_t>(first), count};
+  }
+  FlyDraws draws(std::size_t fly) const {
+    const auto all = range(fly, 1);
+    return {all.seed, all.purpose, all.generation, all.first};
+  }
+};
+
+/// Makes the new flies [begin, end), which are part of a brood that follows `parents` survivors.
+void breed(const Scene& scene, const Brood& brood, std::size_t parents, double mutation_scale, const Chance& chance,
+           std::size_t begin, std::size_t end, ImagePopulation& flies) {
   const auto& [habitat, options, steer_towards] = scene;
-  if (k < brood.steered_end) return steer(habitat, steer_towards, draws);
-  if (k >= brood.crossed_end && k < brood.spawned_end)
-    return spawn(habitat, options.initial, options.informative_gray, draws);
-  const auto words = draws.next();
-  const auto parent = [&](std::uint32_t word) { return flies.point(below(word, static_cast<std::uint32_t>(parents))); };
-  if (k < brood.crossed_end) return cross(habitat, parent(words[0]), parent(words[1]), uniform(words[2]));
-  return mutate(habitat, options.mutation, mutation_scale, parent(words[0]), draws);
+  std::size_t i = begin;
+  const auto any_parent = [&](std::uint32_t word) {
+    return flies.point(below(word, static_cast<std::uint32_t>(parents)));
+  };
+  for (; i < std::min(end, parents + brood.steered_end); ++i) {
+    auto draws = chance.draws(i);
+    flies.set(i, steer(habitat, steer_towards, draws));
+  }
+  for (; i < std::min(end, parents + brood.crossed_end); ++i) {
+    const auto words = chance.draws(i).next();
+    flies.set(i, cross(habitat, any_parent(words[0]), any_parent(words[1]), uniform(words[2])));
+  }
+  if (const auto spawned_end = std::min(end, parents + brood.spawned_end); i < spawned_end) {
+    spawn(habitat, options.initial, options.informative_gray, chance.range(i, spawned_end - i), i, flies);
+    i = spawned_end;
+  }
+  for (; i < end; ++i) {
+    auto draws = chance.draws(i);
+    const auto parent = any_parent(draws.next()[0]);
+    flies.set(i, mutate(habitat, options.mutation, mutation_scale, parent, draws));
+  }
 }
 
 /// Moves the chosen flies to the front.
@@ -99,12 +124,9 @@ const EvolveResult& Evolver::evolve(const RectifiedPair& pair, const Projection&
   flies.resize(static_cast<std::size_t>(options.flies));
   result_.evaluations = 0;
 
-  const auto bear = [&](const Brood& brood, std::size_t parents, std::uint32_t purpose, std::uint32_t generation,
-                        double mutation_scale) {
+  const auto bear = [&](const Brood& brood, std::size_t parents, const Chance& chance, double mutation_scale) {
     for_parts(parents, flies.size(), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        flies.set(i, breed(scene, brood, i - parents, flies, parents, mutation_scale,
-                           draws_of(random, purpose, generation, i)));
+      breed(scene, brood, parents, mutation_scale, chance, begin, end, flies);
       score_part(pair, fitness, begin, end, flies);
     });
     result_.evaluations += flies.size() - parents;
@@ -116,7 +138,7 @@ const EvolveResult& Evolver::evolve(const RectifiedPair& pair, const Projection&
       if (rivalled_[i] != 0) flies.fitness[i] = 0.0F;
   };
 
-  bear(first_brood(scene, flies.size()), 0, kFirstGeneration, 0, 1.0);
+  bear(first_brood(scene, flies.size()), 0, {random, kFirstGeneration, 0}, 1.0);
   silence_rivalled();
   double mutation_scale = 1.0;
   for (int generation = 1; generation <= options.generations; ++generation) {
@@ -124,8 +146,8 @@ const EvolveResult& Evolver::evolve(const RectifiedPair& pair, const Projection&
     share_fitness(flies.fitness, crowding_, options.sharing.strength, shared_);
     select_fittest(shared_, part_of(options.keep_share, flies.size()), fittest_);
     keep(fittest_, flies);
-    bear(child_brood(scene, fittest_.size(), flies.size() - fittest_.size()), fittest_.size(), kChildren,
-         static_cast<std::uint32_t>(generation), mutation_scale);
+    bear(child_brood(scene, fittest_.size(), flies.size() - fittest_.size()), fittest_.size(),
+         {random, kChildren, static_cast<std::uint32_t>(generation)}, mutation_scale);
     silence_rivalled();
     mutation_scale *= options.mutation.cooling;
   }

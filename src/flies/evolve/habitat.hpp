@@ -23,18 +23,22 @@ class Habitat {
   /// Position in the vehicle frame. The fly's disparity must exceed that of infinity.
   Point3 point(const StereoPoint& fly) const;
 
+  /// A coordinate relative to the camera, times q, in metres times pixels.
+  struct Linear {
+    double constant = 0.0, per_u = 0.0, per_v = 0.0;
+    double at(const StereoPoint& fly) const { return constant + per_u * fly.u_px + per_v * fly.v_px; }
+  };
+  const Linear& x() const { return x_; }            ///< forward
+  const Linear& y() const { return y_; }            ///< to the left
+  const Linear& height() const { return height_; }  ///< along the vertical, above the road's slope through the camera
+  double camera_above_road_m() const { return camera_above_road_m_; }
+
   const Projection& projection() const { return projection_; }
   const GrayView& left() const { return left_; }
   const RoadPlane& road() const { return road_; }
   const FieldOptions& field() const { return field_; }
 
  private:
-  /// A coordinate relative to the camera, times q, in metres times pixels.
-  struct Linear {
-    double constant = 0.0, per_u = 0.0, per_v = 0.0;
-    double at(const StereoPoint& fly) const { return constant + per_u * fly.u_px + per_v * fly.v_px; }
-  };
-
   Projection projection_;
   GrayView left_;
   RoadPlane road_;

@@ -5,14 +5,16 @@
 #include <cmath>
 #include <limits>
 
+#include "flies/evolve/kernels/spawn.hpp"
+
 namespace flies {
 namespace {
 
 /// Draws that may miss the habitat before the operator settles for less; bounds the time of every child.
 constexpr int kMaxDraws = 16;
 
-/// Half the width of the default patch: contrast within it is what the fitness will see.
-constexpr int kContrastReach_px = 6;
+/// The width of the default patch: contrast within it is what the fitness will see.
+constexpr int kContrastWindow_px = kernels::kMinWidth_px;
 
 /// Spread of steered flies about the near face, as a share of the range: as uncertain as a good stereo range.
 constexpr double kSteeringDepthSpread = 0.03;
@@ -40,6 +42,37 @@ StereoPoint draw_in_space(const Habitat& habitat, const RandomWords& words) {
   return project(habitat, {x_m, y_m, habitat.road().z_m(x_m, y_m) + uniform(words[2], field.z_min_m, field.z_max_m)});
 }
 
+kernels::SpawnSearch spawn_search(const Habitat& habitat, double informative_gray) {
+  const auto f = [](double value) { return static_cast<float>(value); };
+  const auto linear = [&](const Habitat::Linear& l) { return kernels::Linear{f(l.constant), f(l.per_u), f(l.per_v)}; };
+  const auto& field = habitat.field();
+  const auto& height = habitat.height();
+  const double infinity_px = habitat.projection().disparity_offset_px();
+  const double min_q = habitat.projection().disparity_at_depth(field.x_max_m) - infinity_px;
+  const double max_q = habitat.projection().disparity_at_depth(field.x_min_m) - infinity_px;
+  return {.left = habitat.left(),
+          .infinity_px = f(infinity_px),
+          .min_q = f(min_q),
+          .span_q = f(max_q - min_q),
+          .min_m = f(field.z_min_m),
+          .span_m = f(field.z_max_m - field.z_min_m),
+          .v_per_height_q = f(1.0 / height.per_v),
+          .v_per_q = f(-habitat.camera_above_road_m() / height.per_v),
+          .v_constant = f(-height.constant / height.per_v),
+          .v_per_u = f(-height.per_u / height.per_v),
+          .x = linear(habitat.x()),
+          .y = linear(habitat.y()),
+          .x_min_m = f(field.x_min_m),
+          .x_max_m = f(field.x_max_m),
+          .y_min_m = f(field.y_min_m),
+          .y_max_m = f(field.y_max_m),
+          .min_contrast = static_cast<int>(std::ceil(informative_gray)),
+          .max_draws = kMaxDraws,
+          .seed = 0,
+          .purpose = 0,
+          .generation = 0};
+}
+
 }  // namespace
 
 int row_contrast(const GrayView& left, const StereoPoint& point) {
@@ -48,16 +81,13 @@ int row_contrast(const GrayView& left, const StereoPoint& point) {
     return 0;
   const auto u = static_cast<int>(point.u_px + 0.5), v = static_cast<int>(point.v_px + 0.5);
   const std::uint8_t* row = left.row(v);
-  const int end = std::min(u + kContrastReach_px + 1, left.width_px);
-  std::uint8_t darkest = row[u], brightest = row[u];
-  for (int i = std::max(u - kContrastReach_px, 0); i < end; ++i) {
-    darkest = std::min(darkest, row[i]);
-    brightest = std::max(brightest, row[i]);
-  }
-  return brightest - darkest;
+  const int first = std::max(std::min(u - kContrastWindow_px / 2, left.width_px - kContrastWindow_px), 0);
+  const int end = std::min(first + kContrastWindow_px, left.width_px);
+  const auto [darkest, brightest] = std::minmax_element(row + first, row + end);
+  return *brightest - *darkest;
 }
 
-StereoPoint spawn(const Habitat& habitat, InitialDistribution distribution, double informative_gray, FlyDraws& draws) {
+StereoPoint spawn(const Habitat& habitat, InitialDistribution distribution, double informative_gray, FlyDraws draws) {
   StereoPoint fly;
   for (int draw = 0; draw < kMaxDraws; ++draw) {
     const auto words = draws.next();
@@ -65,6 +95,23 @@ StereoPoint spawn(const Habitat& habitat, InitialDistribution distribution, doub
     if (habitat.holds(fly) && row_contrast(habitat.left(), fly) >= informative_gray) break;
   }
   return fly;
+}
+
+void spawn(const Habitat& habitat, InitialDistribution distribution, double informative_gray, const FlyRange& range,
+           std::size_t begin, ImagePopulation& flies) {
+  if (distribution == InitialDistribution::image && habitat.left().width_px >= kernels::kMinWidth_px) {
+    auto search = spawn_search(habitat, informative_gray);
+    search.seed = range.seed;
+    search.purpose = range.purpose;
+    search.generation = range.generation;
+    kernels::spawn_flies(search, range.first, range.count, flies.u_px.data() + begin, flies.v_px.data() + begin,
+                         flies.disparity_px.data() + begin);
+    return;
+  }
+  for (std::size_t k = 0; k < range.count; ++k) {
+    const FlyDraws draws(range.seed, range.purpose, range.generation, range.first + static_cast<std::uint32_t>(k));
+    flies.set(begin + k, spawn(habitat, distribution, informative_gray, draws));
+  }
 }
 
 StereoPoint mutate(const Habitat& habitat, const MutationOptions& options, double scale, const StereoPoint& parent,

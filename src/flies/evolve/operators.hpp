@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <span>
 
+#include "flies/core/fly.hpp"
 #include "flies/core/random.hpp"
 #include "flies/core/results.hpp"
 #include "flies/core/stereo_camera.hpp"
@@ -12,13 +15,25 @@
 /// the draws handed in are the only source of chance.
 namespace flies {
 
-/// Largest difference of grey levels along the row through a point of the left image, a patch wide. Places without
-/// horizontal variation cannot be matched, however the fitness is defined. 0 outside the image.
+/// Largest difference of grey levels along the row through a point of the left image, in the patch-wide window nearest
+/// to the point. Places without horizontal variation cannot be matched, however the fitness is defined. 0 outside the
+/// image.
 int row_contrast(const GrayView& left, const StereoPoint& point);
 
 /// A random fly of the habitat, for the first generation and for immigration, at a place of at least
 /// `informative_gray` row contrast. After a bounded number of draws the last one is returned as it is.
-StereoPoint spawn(const Habitat& habitat, InitialDistribution distribution, double informative_gray, FlyDraws& draws);
+StereoPoint spawn(const Habitat& habitat, InitialDistribution distribution, double informative_gray, FlyDraws draws);
+
+/// Whose draws: flies count up from `first`.
+struct FlyRange {
+  std::uint64_t seed = 0;
+  std::uint32_t purpose = 0, generation = 0, first = 0;
+  std::size_t count = 0;
+};
+
+/// `spawn` of many flies into [begin, begin + count) of `flies`, in single precision and vectors where it can be.
+void spawn(const Habitat& habitat, InitialDistribution distribution, double informative_gray, const FlyRange& range,
+           std::size_t begin, ImagePopulation& flies);
 
 /// Mutation: the parent moved by normal deviates in the left image and in disparity, `scale` times the options'.
 /// A child outside the habitat is drawn again a few times, then the parent is returned.

@@ -44,8 +44,7 @@ class OperatorsTest : public testing::Test {
 TEST_F(OperatorsTest, SpawnStaysInTheHabitat) {
   for (const auto distribution : {InitialDistribution::image, InitialDistribution::space})
     for (int i = 0; i < kDraws; ++i) {
-      auto d = draws(i);
-      EXPECT_TRUE(habitat().holds(spawn(habitat(), distribution, 0.0, d)));
+      EXPECT_TRUE(habitat().holds(spawn(habitat(), distribution, 0.0, draws(i))));
     }
 }
 
@@ -53,8 +52,7 @@ TEST_F(OperatorsTest, SpawnSpreadsDisparityOrDistanceEvenly) {
   const auto mean = [&](InitialDistribution distribution, auto value) {
     double sum = 0.0;
     for (int i = 0; i < kDraws; ++i) {
-      auto d = draws(i);
-      sum += value(habitat().point(spawn(habitat(), distribution, 0.0, d))) / kDraws;
+      sum += value(habitat().point(spawn(habitat(), distribution, 0.0, draws(i)))) / kDraws;
     }
     return sum;
   };
@@ -70,8 +68,7 @@ TEST_F(OperatorsTest, SpawnSpreadsDisparityOrDistanceEvenly) {
 TEST_F(OperatorsTest, SpawnPrefersInformativePlaces) {
   int informative = 0;
   for (int i = 0; i < kDraws; ++i) {
-    auto d = draws(i);
-    informative += spawn(habitat(), InitialDistribution::image, 20.0, d).u_px > 310.0;
+    informative += spawn(habitat(), InitialDistribution::image, 20.0, draws(i)).u_px > 310.0;
   }
   EXPECT_GT(informative, 0.99 * kDraws);
 }
