@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/objdetect.hpp>
-#include <vector>
+#include <utility>
 
+#include "flies/classify/hog_blocks.hpp"
+#include "flies/classify/window_sets.hpp"
 #include "flies/core/error.hpp"
 
 namespace flies {
@@ -21,40 +21,6 @@ constexpr int kMaxBins = 64;
 constexpr double kMinWindow_px = 4.0;
 /// Beyond this many times the image the window holds nothing but repeated border.
 constexpr double kMaxWindowPerImage = 8.0;
-
-cv::HOGDescriptor hog_of(const HogGeometry& geometry) {
-  constexpr int kAperture = 1;
-  constexpr double kSigmaFromBlock = -1.0;
-  constexpr double kClip = 0.2;  // Dalal and Triggs' L2-Hys
-  return cv::HOGDescriptor({geometry.window_width_px, geometry.window_height_px},
-                           {geometry.block_px, geometry.block_px}, {geometry.stride_px, geometry.stride_px},
-                           {geometry.cell_px, geometry.cell_px}, geometry.bins, kAperture, kSigmaFromBlock,
-                           cv::HOGDescriptor::L2Hys, kClip, geometry.gamma);
-}
-
-cv::Mat mat_of(const GrayView& image) {
-  return {image.height_px, image.width_px, CV_8UC1, const_cast<std::uint8_t*>(image.data),
-          static_cast<std::size_t>(image.stride)};
-}
-
-/// The box and its margin, resized so that the box has the model's size.
-cv::Mat window_pixels(const cv::Mat& image, const ImageBox& box, const HogGeometry& geometry) {
-  const double margin_u_px = kHogMargin_px * box.width_px / geometry.window_width_px;
-  const double margin_v_px = kHogMargin_px * box.height_px / geometry.window_height_px;
-  const int left = cvFloor(box.u_px - margin_u_px), right = cvCeil(box.u_px + box.width_px + margin_u_px);
-  const int top = cvFloor(box.v_px - margin_v_px), bottom = cvCeil(box.v_px + box.height_px + margin_v_px);
-  const cv::Rect wanted(left, top, right - left, bottom - top);
-  const cv::Rect inside = wanted & cv::Rect({}, image.size());
-  cv::Mat crop = image(inside);
-  if (inside != wanted)
-    cv::copyMakeBorder(image(inside), crop, inside.y - top, bottom - inside.br().y, inside.x - left,
-                       right - inside.br().x, cv::BORDER_REPLICATE);
-  cv::Mat pixels;
-  cv::resize(crop, pixels,
-             {geometry.window_width_px + 2 * kHogMargin_px, geometry.window_height_px + 2 * kHogMargin_px}, 0, 0,
-             box.height_px > geometry.window_height_px ? cv::INTER_AREA : cv::INTER_LINEAR);
-  return pixels;
-}
 
 }  // namespace
 
@@ -89,9 +55,11 @@ void hog_features(const GrayView& window, const HogGeometry& geometry, std::span
   assert(window.width_px == geometry.window_width_px + 2 * kHogMargin_px);
   assert(window.height_px == geometry.window_height_px + 2 * kHogMargin_px);
   assert(features.size() == feature_count(geometry));
-  std::vector<float> computed;
-  hog_of(geometry).compute(mat_of(window), computed, {}, {}, {{kHogMargin_px, kHogMargin_px}});
-  std::copy(computed.begin(), computed.end(), features.begin());
+  FloatImage pixels{window.width_px, window.height_px, {}};
+  for (int v = 0; v < window.height_px; ++v)
+    pixels.values.insert(pixels.values.end(), window.row(v), window.row(v) + window.width_px);
+  const HogBlocks blocks = hog_blocks(std::move(pixels), geometry);
+  std::copy(blocks.values.begin(), blocks.values.end(), features.begin());
 }
 
 bool is_worth_a_look(const ImageBox& window, const GrayView& image) {
@@ -107,8 +75,8 @@ bool is_worth_a_look(const ImageBox& window, const GrayView& image) {
 void window_features(const GrayView& image, const ImageBox& window, const HogGeometry& geometry,
                      std::span<float> features) {
   assert(is_worth_a_look(window, image));
-  const cv::Mat pixels = window_pixels(mat_of(image), window, geometry);
-  hog_features({pixels.data, pixels.cols, pixels.rows, static_cast<std::ptrdiff_t>(pixels.step)}, geometry, features);
+  const auto set = window_sets({&window, 1}, image, geometry);
+  copy_features(blocks_of(set.front(), image, geometry), set.front(), 0, geometry, features);
 }
 
 }  // namespace flies

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "flies/classify/window_sets.hpp"
 #include "flies/core/error.hpp"
 
 namespace flies {
@@ -37,11 +38,14 @@ class HogClassifier final : public PeopleClassifier {
   template <class Judge>
   std::vector<double> over_windows(const GrayView& image, std::span<const ImageBox> windows, const Judge& judge) const {
     std::vector<double> probabilities(windows.size(), 0.0);
-    tbb::parallel_for(std::size_t{0}, windows.size(), [&](std::size_t i) {
-      if (!is_worth_a_look(windows[i], image)) return;
+    const auto sets = window_sets(windows, image, model_.hog);
+    tbb::parallel_for(std::size_t{0}, sets.size(), [&](std::size_t s) {
+      const HogBlocks blocks = blocks_of(sets[s], image, model_.hog);
       std::vector<float> features(feature_count(model_.hog));
-      window_features(image, windows[i], model_.hog, features);
-      probabilities[i] = judge(features);
+      for (std::size_t i = 0; i < sets[s].windows.size(); ++i) {
+        copy_features(blocks, sets[s], i, model_.hog, features);
+        probabilities[sets[s].windows[i]] = judge(features);
+      }
     });
     return probabilities;
   }

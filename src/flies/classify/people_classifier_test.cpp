@@ -99,6 +99,24 @@ TEST(HogClassifier, LetsTheSecondStageDecide) {
               kDistanceTolerance);
 }
 
+/// Blocks that windows share are computed from pixels whose places differ in the last digits of a double.
+constexpr double kSharingTolerance = 1e-6;
+
+TEST(HogClassifier, GivesWindowsThatShareBlocksTheProbabilityTheyHaveAlone) {
+  const cv::Mat image = noise_image(300, 260);
+  const auto classifier = default_people_classifier();
+  std::vector<ImageBox> raster;
+  for (const double scale : {0.7, 1.6})
+    for (const int column : {0, -2, 1, 3})
+      for (const int row : {0, 1, -1})
+        raster.push_back(window(90.3 + column * 8 * scale, 60.7 + row * 8 * scale, 48 * scale, 96 * scale));
+  raster.insert(raster.begin() + 5, window(0, 0, 0, 0));
+  raster.insert(raster.begin() + 3, window(33.3, 40.1, 48 * 0.7, 96 * 0.7));
+  const auto together = classifier->classify(view_of(image), raster);
+  for (std::size_t i = 0; i < raster.size(); ++i)
+    EXPECT_NEAR(together[i], classifier->classify(view_of(image), std::vector{raster[i]}).front(), kSharingTolerance);
+}
+
 TEST(HogClassifier, GivesWindowsWithNothingInThemNoChance) {
   const cv::Mat image = noise_image(120, 150);
   const double nan = std::numeric_limits<double>::quiet_NaN();

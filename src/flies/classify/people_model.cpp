@@ -6,9 +6,9 @@
 #include <cassert>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
 #include <opencv2/objdetect.hpp>
 
+#include "flies/classify/dot.hpp"
 #include "flies/classify/model_file.hpp"
 #include "flies/core/error.hpp"
 
@@ -83,10 +83,6 @@ void check_kernel(const KernelStage& kernel, std::size_t features, const Checker
   check.calibration("kernel.calibration", kernel.calibration);
 }
 
-double dot(std::span<const float> a, std::span<const float> b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0F);
-}
-
 }  // namespace
 
 void check_people_model(const PeopleModel& model, const std::string& source) {
@@ -106,7 +102,7 @@ void check_people_model(const PeopleModel& model, const std::string& source) {
 
 double linear_score(const LinearStage& stage, std::span<const float> features) {
   assert(features.size() == stage.weights.size());
-  return stage.bias + dot(stage.weights, features);
+  return stage.bias + dot(stage.weights.data(), features.data(), features.size());
 }
 
 double kernel_score(const KernelStage& stage, std::span<const float> features) {
@@ -115,16 +111,13 @@ double kernel_score(const KernelStage& stage, std::span<const float> features) {
   for (std::size_t i = 0; i < centred.size(); ++i) centred[i] -= stage.mean[i];
   std::vector<float> point;
   for (std::size_t i = 0; i < stage.projection.rows; ++i)
-    point.push_back(static_cast<float>(dot(stage.projection.row(i), centred)));
+    point.push_back(dot(stage.projection.row(i).data(), centred.data(), centred.size()));
   if (stage.projection.rows == 0) point = std::move(centred);
 
   double score = stage.bias;
-  for (std::size_t i = 0; i < stage.support_vectors.rows; ++i) {
-    const auto vector = stage.support_vectors.row(i);
-    float squares = 0.0F;
-    for (std::size_t k = 0; k < point.size(); ++k) squares += (point[k] - vector[k]) * (point[k] - vector[k]);
-    score += stage.coefficients[i] * std::exp(-stage.gamma * squares);
-  }
+  for (std::size_t i = 0; i < stage.support_vectors.rows; ++i)
+    score += stage.coefficients[i] *
+             std::exp(-stage.gamma * squared_distance(point.data(), stage.support_vectors.row(i).data(), point.size()));
   return score;
 }
 

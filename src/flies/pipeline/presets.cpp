@@ -23,7 +23,7 @@ DetectorOptions paper_options() {
   o.evolve.uniqueness.enforce = false;
   o.evolve.refine.share = 0.0;
   o.propose.heights = 3;
-  o.propose.lateral_step_m = 0.4;
+  o.propose.step = 2.0 / 12.0;
   o.propose.vertical_shifts = 0;
   o.concentrate.samples = 1;
   o.concentrate.assemble.position = ObstaclePosition::candidate;

@@ -33,9 +33,9 @@ std::vector<int> alternating(int count) {
   return steps;
 }
 
-int lateral_steps(double width_m, const ProposeOptions& options) {
+int lateral_steps(double width_m, double step_m, const ProposeOptions& options) {
   const double reach_m = std::min(std::max(width_m, 0.0) / 2.0 + options.lateral_margin_m, options.max_lateral_m);
-  return static_cast<int>(std::floor(reach_m / options.lateral_step_m + 1e-9));
+  return static_cast<int>(std::floor(reach_m / step_m + 1e-9));
 }
 
 bool may_be_person(const Obstacle& obstacle, const Projection& projection, const ProposeOptions& options) {
@@ -58,9 +58,17 @@ Roi roi_at(const Point3& feet, double height_m, const Projection& projection, do
   return {box_about_centre(window_px), box_about_centre(person_px), feet.x_m, feet.y_m, height_m, 0};
 }
 
-Roi shifted_down(Roi roi, double shift_px) {
-  roi.window.v_px += shift_px;
-  roi.person.v_px += shift_px;
+/// The same person one or more steps to the left and down in the image. Feet stay where the obstacle's range has them.
+Roi shifted(Roi roi, int left, int down, double step_m, const ProposeOptions& options) {
+  const double step_px = options.step * roi.window.height_px;
+  for (ImageBox* box : {&roi.window, &roi.person}) {
+    box->u_px -= left * step_px;
+    box->v_px += down * step_px;
+  }
+  const double range_m = std::hypot(roi.x_m, roi.y_m), left_m = left * step_m;  // across the line of sight
+  const double x_m = roi.x_m - left_m * roi.y_m / range_m, y_m = roi.y_m + left_m * roi.x_m / range_m;
+  roi.x_m = x_m;
+  roi.y_m = y_m;
   return roi;
 }
 
@@ -80,9 +88,14 @@ std::array<long, 3> merge_key(const ImageBox& window, double merge_step) {
 }  // namespace
 
 std::size_t max_rois_per_obstacle(const ProposeOptions& options) {
-  const int laterals = 2 * static_cast<int>(std::floor(options.max_lateral_m / options.lateral_step_m + 1e-9)) + 1;
-  return static_cast<std::size_t>(options.heights) * static_cast<std::size_t>(laterals) *
-         static_cast<std::size_t>(2 * options.vertical_shifts + 1);
+  constexpr double kAnyWidth_m = 1e9;
+  std::size_t count = 0;
+  for (const double height_m : person_heights(options)) {
+    const double step_m = options.step * height_m / options.person_share;
+    count += static_cast<std::size_t>((2 * lateral_steps(kAnyWidth_m, step_m, options) + 1) *
+                                      (2 * options.vertical_shifts + 1));
+  }
+  return count;
 }
 
 void check_propose_options(const ProposeOptions& options, const std::string& source) {
@@ -105,25 +118,18 @@ std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Project
     roi.obstacle = obstacle;
     rois.push_back(roi);
   };
-  const auto propose_at = [&](const Point3& feet, std::size_t obstacle) {
-    if (projection.depth_m(feet) < kMinDepth_m) return;
-    for (const double height_m : heights_m) {
-      const Roi on_road = roi_at(feet, height_m, projection, options.person_share);
-      if (on_road.person.height_px < options.min_person_px) continue;
-      for (const int step : alternating(options.vertical_shifts))
-        keep(shifted_down(on_road, step * options.vertical_step * on_road.person.height_px), obstacle);
-    }
-  };
-
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     const Obstacle& obstacle = obstacles[i];
     if (!may_be_person(obstacle, projection, options)) continue;
-    const double range_m = std::hypot(obstacle.x_m, obstacle.y_m);
-    for (const int step : alternating(lateral_steps(obstacle.width_m, options))) {
-      const double left_m = step * options.lateral_step_m;  // across the line of sight
-      const double x_m = obstacle.x_m - left_m * obstacle.y_m / range_m;
-      const double y_m = obstacle.y_m + left_m * obstacle.x_m / range_m;
-      propose_at({x_m, y_m, road.z_m(x_m, y_m)}, i);
+    const Point3 feet{obstacle.x_m, obstacle.y_m, road.z_m(obstacle.x_m, obstacle.y_m)};
+    if (projection.depth_m(feet) < kMinDepth_m) continue;
+    for (const double height_m : heights_m) {
+      const Roi on_road = roi_at(feet, height_m, projection, options.person_share);
+      if (on_road.person.height_px < options.min_person_px) continue;
+      const double step_m = options.step * height_m / options.person_share;
+      for (const int left : alternating(lateral_steps(obstacle.width_m, step_m, options)))
+        for (const int down : alternating(options.vertical_shifts))
+          keep(shifted(on_road, left, down, step_m, options), i);
     }
   }
   return rois;

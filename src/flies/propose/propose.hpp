@@ -27,11 +27,10 @@ struct ProposeOptions {
   double min_height_m = 1.0;
   double max_height_m = 2.1;
   int heights = 5;
-  double lateral_step_m = 0.2;
   double lateral_margin_m = 0.2;
   double max_lateral_m = 1.0;
   int vertical_shifts = 1;
-  double vertical_step = 0.08;
+  double step = 1.0 / 12.0;
   double person_share = 0.8;
   double min_person_px = 50.0;
   double min_obstacle_height_m = 0.6;
@@ -42,14 +41,16 @@ struct ProposeOptions {
     field("min_height_m", self.min_height_m, Range{0.3, 3.0}, "smallest person looked for");
     field("max_height_m", self.max_height_m, Range{0.3, 3.0}, "tallest person looked for");
     field("heights", self.heights, Range{1, 32}, "heights tried from the smallest to the tallest, in equal ratios");
-    field("lateral_step_m", self.lateral_step_m, Range{0.02, 2.0}, "distance between boxes across the line of sight");
     field("lateral_margin_m", self.lateral_margin_m, Range{0.0, 2.0},
           "how far beyond the obstacle's edges boxes are placed, for a person beside a wider obstacle");
     field("max_lateral_m", self.max_lateral_m, Range{0.0, 10.0},
           "how far from the obstacle's middle boxes are placed at most");
     field("vertical_shifts", self.vertical_shifts, Range{0, 8},
           "boxes above, and as many below, the one that stands on the road: range and road are uncertain");
-    field("vertical_step", self.vertical_step, Range{0.0, 0.5}, "distance between those, in heights of the person");
+    field("step", self.step, Range{0.01, 1.0},
+          "distance between boxes side by side and one above the other, in heights of the window; at a twelfth they "
+          "share "
+          "the features of a window of 96 px in blocks 8 px apart");
     field("person_share", self.person_share, Range{0.3, 1.0},
           "height of the person over height of the window, as the classifier was trained");
     field("min_person_px", self.min_person_px, Range{8.0, 1000.0},
@@ -63,12 +64,13 @@ struct ProposeOptions {
 
 /// Proposes where to look for people: around every obstacle that may be one, boxes of a few heights with the feet on
 /// the road at the obstacle's range, side by side across its width, and a little above and below (METHOD section 5).
+/// Boxes of one obstacle and height follow each other and lie on a raster.
 /// @param obstacles       in the vehicle frame; entries that are not finite or lie behind the camera give no box
 /// @param projection      of the camera; boxes are in its left image
 /// @param road            what the feet stand on
 /// @param image_width_px  size of the left image; a person wholly outside it gives no box
 /// @param image_height_px
-/// @returns in the order of the obstacles; at most `max_rois_per_obstacle(options)` for each
+/// @returns in the order of the obstacles, then of the heights; at most `max_rois_per_obstacle(options)` for each
 /// @throws InputError when `min_height_m` exceeds `max_height_m`
 std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Projection& projection, const RoadPlane& road,
                               int image_width_px, int image_height_px, const ProposeOptions& options);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "flies/core/error.hpp"
@@ -100,13 +101,14 @@ TEST(ProposeRois, SpansTheHeightsInEqualRatios) {
 }
 
 TEST(ProposeRois, StepsAcrossTheLineOfSightAtOneRange) {
-  ProposeOptions options = single_box(1.7);
+  ProposeOptions options = single_box(1.6);
   options.max_lateral_m = 0.6;
-  options.lateral_step_m = 0.3;
+  options.person_share = 0.8;
+  options.step = 0.1;  // of a window of 2 m
   Obstacle wide = person_at(8.0, 4.0);
   wide.width_m = 5.0;
   const auto rois = propose({wide}, options);
-  ASSERT_EQ(rois.size(), 5U) << "0, 0.3, -0.3, 0.6, -0.6 m, then the cap";
+  ASSERT_EQ(rois.size(), 7U) << "0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6 m, then the cap";
   std::set<long> offsets_mm;
   for (const Roi& roi : rois) {
     const double along_m = (roi.x_m * wide.x_m + roi.y_m * wide.y_m) / wide.range_m;
@@ -114,19 +116,36 @@ TEST(ProposeRois, StepsAcrossTheLineOfSightAtOneRange) {
     EXPECT_NEAR(along_m, wide.range_m, 1e-9) << "stays across the line of sight";
     offsets_mm.insert(std::lround(left_m * 1000.0));
   }
-  EXPECT_EQ(offsets_mm, (std::set<long>{-600, -300, 0, 300, 600}));
+  EXPECT_EQ(offsets_mm, (std::set<long>{-600, -400, -200, 0, 200, 400, 600}));
 }
 
-TEST(ProposeRois, ShiftsUpAndDownBySharesOfThePerson) {
+TEST(ProposeRois, PutsTheBoxesOfAHeightOnARaster) {
+  ProposeOptions options;
+  options.merge_step = 0.0;
+  const auto rois = propose({person_at(8.0, 2.0)}, options);
+  std::map<double, ImageBox> first;  // by height
+  for (const Roi& roi : rois) {
+    const ImageBox& origin = first.emplace(roi.height_m, roi.window).first->second;
+    const double stride_px = origin.height_px / 12.0;
+    const double across = (roi.window.u_px - origin.u_px) / stride_px,
+                 down = (roi.window.v_px - origin.v_px) / stride_px;
+    EXPECT_NEAR(across, std::round(across), 1e-9);
+    EXPECT_NEAR(down, std::round(down), 1e-9);
+    EXPECT_DOUBLE_EQ(roi.window.height_px, origin.height_px);
+  }
+  EXPECT_EQ(first.size(), static_cast<std::size_t>(options.heights));
+}
+
+TEST(ProposeRois, ShiftsUpAndDownBySharesOfTheWindow) {
   ProposeOptions options = single_box(1.7);
   options.vertical_shifts = 1;
-  options.vertical_step = 0.1;
+  options.step = 0.1;
   const auto rois = propose({person_at(10.0, 0.0)}, options);
   ASSERT_EQ(rois.size(), 3U);
-  const double person_px = rois[0].person.height_px;
-  EXPECT_NEAR(rois[1].person.v_px - rois[0].person.v_px, 0.1 * person_px, kTolerance_px);
-  EXPECT_NEAR(rois[2].person.v_px - rois[0].person.v_px, -0.1 * person_px, kTolerance_px);
-  EXPECT_NEAR(rois[1].window.v_px - rois[0].window.v_px, 0.1 * person_px, kTolerance_px);
+  const double window_px = rois[0].window.height_px;
+  EXPECT_NEAR(rois[1].person.v_px - rois[0].person.v_px, 0.1 * window_px, kTolerance_px);
+  EXPECT_NEAR(rois[2].person.v_px - rois[0].person.v_px, -0.1 * window_px, kTolerance_px);
+  EXPECT_NEAR(rois[1].window.v_px - rois[0].window.v_px, 0.1 * window_px, kTolerance_px);
 }
 
 TEST(ProposeRois, KeepsTheOrderOfObstaclesAndNamesThem) {

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "flies/classify/hog.hpp"
+#include "flies/classify/resample.hpp"
+
+namespace flies {
+
+/// The normalised blocks of a picture, one every `stride_px` both ways: what all windows share whose corners lie on
+/// that raster. By columns, so that the blocks of a window are one stretch per column.
+struct HogBlocks {
+  int columns = 0;
+  int rows = 0;
+  std::size_t block_size = 0;  ///< cells of a block times bins
+  std::vector<float> values;
+
+  const float* block(int column, int row) const {
+    return values.data() +
+           (static_cast<std::size_t>(column) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row)) *
+               block_size;
+  }
+};
+
+/// @param pixels with `kHogMargin_px` around what the blocks cover; without margin a number of strides that blocks tile.
+///               Grey levels, 0 to 255; used up.
+HogBlocks hog_blocks(FloatImage pixels, const HogGeometry& geometry);
+
+}  // namespace flies

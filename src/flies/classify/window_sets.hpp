@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "flies/classify/hog_blocks.hpp"
+
+namespace flies {
+
+/// Windows of one size on one raster of the blocks' stride: their features are computed once for all.
+struct WindowSet {
+  ImageBox region;              ///< what they cover together
+  int columns = 0, rows = 0;    ///< of blocks in the region
+  std::vector<std::size_t> windows;  ///< indices
+  std::vector<int> column, row;      ///< of the first block of each window
+};
+
+/// Divides windows into sets: those that follow each other, are of one size, and lie on one raster.
+/// @param windows those that are not `is_worth_a_look` are left out
+std::vector<WindowSet> window_sets(std::span<const ImageBox> windows, const GrayView& image,
+                                   const HogGeometry& geometry);
+
+/// The blocks of the region.
+HogBlocks blocks_of(const WindowSet& set, const GrayView& image, const HogGeometry& geometry);
+
+/// Copies the features of the i-th window of the set out of the blocks.
+void copy_features(const HogBlocks& blocks, const WindowSet& set, std::size_t i, const HogGeometry& geometry,
+                   std::span<float> features);
+
+}  // namespace flies
