@@ -192,7 +192,9 @@ void setup_detect(CLI::App& app) {
   const auto arguments = std::make_shared<DetectArguments>();
   add_input_options(*command, *arguments);
   add_method_options(*command, arguments->method);
-  command->add_option("--model", arguments->model, "people model: opencv-48x96 (default), opencv-64x128 or a file")
+  command
+      ->add_option("--model", arguments->model,
+                   "people model: opencv-48x96 (default), opencv-64x128, a model file or a network")
       ->type_name("NAME|FILE")
       ->group("Method");
   add_output_options(*command, arguments->outputs);

@@ -213,7 +213,9 @@ void setup_evaluate(CLI::App& app) {
       ->check(CLI::Range(1, 10000))
       ->type_name("N")
       ->group("Method");
-  command->add_option("--model", arguments->model, "people model: opencv-48x96 (default), opencv-64x128 or a file")
+  command
+      ->add_option("--model", arguments->model,
+                   "people model: opencv-48x96 (default), opencv-64x128, a model file or a network")
       ->type_name("NAME|FILE")
       ->group("Method");
   command

@@ -5,8 +5,8 @@
 
 namespace flies {
 
-/// Sums `term(i)` for i below `size` in single precision, in an order that the compiler makes vectors of and that is the
-/// same on every machine.
+/// Sums `term(i)` for i below `size` in single precision, in an order that the compiler makes vectors of and that is
+/// the same on every machine.
 template <class Term>
 inline float sum_terms(std::size_t size, const Term& term) {
   constexpr std::size_t kLanes = 16;

@@ -17,7 +17,10 @@ struct Votes {
   std::vector<float> for_lower, for_upper;
 
   explicit Votes(int width, int height)
-      : width_px(width), lower(static_cast<std::size_t>(width * height)), upper(lower.size()), for_lower(lower.size()),
+      : width_px(width),
+        lower(static_cast<std::size_t>(width * height)),
+        upper(lower.size()),
+        for_lower(lower.size()),
         for_upper(lower.size()) {}
 };
 
@@ -29,10 +32,9 @@ inline float half_turns(float x, float y) {
   const float ratio = std::min(ax, y) / (std::max(ax, y) + kTiny);
   const float square = ratio * ratio;
   constexpr auto kPi = static_cast<float>(std::numbers::pi);
-  const float turn =
-      (((-0.04432655554792128F * square + 0.1555786518463281F) * square - 0.3258083974640975F) * square +
-       0.9997878412794807F) *
-      ratio / kPi;
+  const float turn = (((-0.04432655554792128F * square + 0.1555786518463281F) * square - 0.3258083974640975F) * square +
+                      0.9997878412794807F) *
+                     ratio / kPi;
   const float acute = y > ax ? 0.5F - turn : turn;
   return x < 0.0F ? 1.0F - acute : acute;
 }
@@ -68,8 +70,8 @@ Votes votes_of(const FloatImage& pixels, int bins) {
 }
 
 /// Weight of every pixel of a block for every of its cells along one axis: Gaussian about the middle of the block times
-/// linear interpolation between the middles of the cells. Both factor into axes, and so the histogram of a cell is a sum
-/// over columns of sums over rows. Values as in `cv::HOGDescriptor`.
+/// linear interpolation between the middles of the cells. Both factor into axes, and so the histogram of a cell is a
+/// sum over columns of sums over rows. Values as in `cv::HOGDescriptor`.
 std::vector<std::vector<float>> axis_weights(const HogGeometry& geometry) {
   const int cells = geometry.block_px / geometry.cell_px;
   const double sigma_px = geometry.block_px / 4.0;
@@ -79,7 +81,8 @@ std::vector<std::vector<float>> axis_weights(const HogGeometry& geometry) {
       const double from_middle_px = i - geometry.block_px * 0.5;
       const double gauss = std::exp(-from_middle_px * from_middle_px / (2.0 * sigma_px * sigma_px));
       const double place = (i + 0.5) / geometry.cell_px - 0.5;
-      weights[static_cast<std::size_t>(c)].push_back(static_cast<float>(gauss * std::max(0.0, 1.0 - std::abs(place - c))));
+      weights[static_cast<std::size_t>(c)].push_back(
+          static_cast<float>(gauss * std::max(0.0, 1.0 - std::abs(place - c))));
     }
   }
   return weights;

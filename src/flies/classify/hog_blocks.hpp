@@ -23,7 +23,8 @@ struct HogBlocks {
   }
 };
 
-/// @param pixels with `kHogMargin_px` around what the blocks cover; without margin a number of strides that blocks tile.
+/// @param pixels with `kHogMargin_px` around what the blocks cover; without margin a number of strides that blocks
+/// tile.
 ///               Grey levels, 0 to 255; used up.
 HogBlocks hog_blocks(FloatImage pixels, const HogGeometry& geometry);
 

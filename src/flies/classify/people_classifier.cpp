@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "flies/classify/network_classifier.hpp"
 #include "flies/classify/window_sets.hpp"
 #include "flies/core/error.hpp"
 
@@ -62,6 +63,7 @@ std::shared_ptr<const PeopleClassifier> hog_classifier(PeopleModel model) {
 std::shared_ptr<const PeopleClassifier> default_people_classifier() { return hog_classifier(opencv_48x96()); }
 
 std::shared_ptr<const PeopleClassifier> people_classifier(std::string_view name_or_path) {
+  if (const std::string path(name_or_path); is_network_file(path)) return network_classifier(path);
   return hog_classifier(people_model(name_or_path));
 }
 

@@ -45,7 +45,8 @@ std::shared_ptr<const PeopleClassifier> hog_classifier(PeopleModel model);
 /// The classifier that is used when none is named.
 std::shared_ptr<const PeopleClassifier> default_people_classifier();
 
-/// Finds a classifier: by name (`opencv-48x96`, `opencv-64x128`) or by the path of a model file.
+/// Finds a classifier: by name (`opencv-48x96`, `opencv-64x128`) by the path of a model
+/// file, or of a network that OpenCV reads (see `network_classifier`).
 /// @throws InputError naming file and field
 std::shared_ptr<const PeopleClassifier> people_classifier(std::string_view name_or_path);
 

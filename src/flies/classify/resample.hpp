@@ -18,7 +18,8 @@ struct FloatImage {
 };
 
 /// A region of an image, resized to this many pixels: each is the mean of the area that it covers where the region
-/// shrinks, and interpolated linearly where it grows. Where the region leaves the image, the border pixels are repeated.
+/// shrinks, and interpolated linearly where it grows. Where the region leaves the image, the border pixels are
+/// repeated.
 /// @param region with an area; pixel (u, v) of the image covers u to u + 1 and v to v + 1
 FloatImage resample(const GrayView& image, const ImageBox& region, int width_px, int height_px);
 

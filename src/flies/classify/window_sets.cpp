@@ -44,7 +44,8 @@ void close_set(WindowSet& set, const ImageBox& first, const HogGeometry& geometr
     for (int& offset : offsets) offset -= lowest;
     return std::pair(lowest, spread);
   };
-  const double scale_u = first.width_px / geometry.window_width_px, scale_v = first.height_px / geometry.window_height_px;
+  const double scale_u = first.width_px / geometry.window_width_px,
+               scale_v = first.height_px / geometry.window_height_px;
   const auto [left, across] = shift_to_zero(set.column);
   const auto [top, down] = shift_to_zero(set.row);
   set.columns = blocks_along(geometry.window_width_px, geometry) + across;
@@ -83,7 +84,8 @@ HogBlocks blocks_of(const WindowSet& set, const GrayView& image, const HogGeomet
   const double margin_v_px = kHogMargin_px * set.region.height_px / height_px;
   const ImageBox with_margin{set.region.u_px - margin_u_px, set.region.v_px - margin_v_px,
                              set.region.width_px + 2.0 * margin_u_px, set.region.height_px + 2.0 * margin_v_px};
-  return hog_blocks(resample(image, with_margin, width_px + 2 * kHogMargin_px, height_px + 2 * kHogMargin_px), geometry);
+  return hog_blocks(resample(image, with_margin, width_px + 2 * kHogMargin_px, height_px + 2 * kHogMargin_px),
+                    geometry);
 }
 
 void copy_features(const HogBlocks& blocks, const WindowSet& set, std::size_t i, const HogGeometry& geometry,

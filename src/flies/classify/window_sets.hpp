@@ -10,8 +10,8 @@ namespace flies {
 
 /// Windows of one size on one raster of the blocks' stride: their features are computed once for all.
 struct WindowSet {
-  ImageBox region;              ///< what they cover together
-  int columns = 0, rows = 0;    ///< of blocks in the region
+  ImageBox region;                   ///< what they cover together
+  int columns = 0, rows = 0;         ///< of blocks in the region
   std::vector<std::size_t> windows;  ///< indices
   std::vector<int> column, row;      ///< of the first block of each window
 };
