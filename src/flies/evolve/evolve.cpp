@@ -80,7 +80,7 @@ void breed(const Scene& scene, const Brood& brood, std::size_t parents, double m
     flies.set(i, cross(habitat, any_parent(words[0]), any_parent(words[1]), uniform(words[2])));
   }
   if (const auto spawned_end = std::min(end, parents + brood.spawned_end); i < spawned_end) {
-    spawn(habitat, options.initial, options.informative_gray, chance.range(i, spawned_end - i), i, flies);
+    spawn(habitat, options, chance.range(i, spawned_end - i), i, flies);
     i = spawned_end;
   }
   for (; i < end; ++i) {
@@ -117,7 +117,7 @@ const EvolveResult& Evolver::evolve(const RectifiedPair& pair, const Projection&
                                     const FieldOptions& field, const FitnessOptions& fitness,
                                     const EvolveOptions& options, const RandomSource& random,
                                     std::span<const Obstacle> steer_towards) {
-  const Habitat habitat(projection, pair.left, road, field);
+  const Habitat habitat(projection, pair, road, field);
   const Scene scene{habitat, options, steer_towards};
   const int width_px = pair.left.width_px, height_px = pair.left.height_px;
   ImagePopulation& flies = result_.in_image;

@@ -74,6 +74,7 @@ struct EvolveOptions {
   int generations = 3;
   InitialDistribution initial = InitialDistribution::image;
   double informative_gray = 12.0;
+  double alike_rows = 0.0;
   double keep_share = 0.25;
   double crossover_share = 0.1;
   double immigration_share = 0.5;
@@ -90,6 +91,10 @@ struct EvolveOptions {
     f("initial", self.initial, "image: uniform in u, disparity and height; space: uniform in x, y and z");
     f("informative_gray", self.informative_gray, Range{0, 255},
       "first flies and immigrants are drawn again while grey levels beside their projection differ by less; 0 for off");
+    f("alike_rows", self.alike_rows, Range{0, 1},
+      "they are drawn again, too, while the rows through both projections correlate less: a glance before an "
+      "evaluation; "
+      "0 for off");
     f("keep_share", self.keep_share, Range{0, 1}, "share of the population that selection keeps");
     f("crossover_share", self.crossover_share, Range{0, 1}, "share of the children that are crossed");
     f("immigration_share", self.immigration_share, Range{0, 1}, "share of the children that are drawn anew");

@@ -2,9 +2,10 @@
 
 namespace flies {
 
-Habitat::Habitat(const Projection& projection, const GrayView& left, const RoadPlane& road, const FieldOptions& field)
+Habitat::Habitat(const Projection& projection, const RectifiedPair& pair, const RoadPlane& road,
+                 const FieldOptions& field)
     : projection_(projection),
-      left_(left),
+      pair_(pair),
       road_(road),
       field_(field),
       camera_above_road_m_(projection.height_m() - road.height_m) {
@@ -28,7 +29,7 @@ Habitat::Habitat(const Projection& projection, const GrayView& left, const RoadP
 bool Habitat::holds(const StereoPoint& fly) const {
   const double q = fly.disparity_px - projection_.disparity_offset_px();
   const auto between = [](double low, double value, double high) { return value >= low && value <= high; };
-  return q > 0.0 && between(0.0, fly.u_px, left_.width_px - 1) && between(0.0, fly.v_px, left_.height_px - 1) &&
+  return q > 0.0 && between(0.0, fly.u_px, left().width_px - 1) && between(0.0, fly.v_px, left().height_px - 1) &&
          between(field_.x_min_m * q, x_.at(fly), field_.x_max_m * q) &&
          between(field_.y_min_m * q, y_.at(fly), field_.y_max_m * q) &&
          between((field_.z_min_m - camera_above_road_m_) * q, height_.at(fly),

@@ -12,7 +12,7 @@ namespace flies {
 /// infinity (METHOD section "Frames and projection", solved for the point), so that a test costs no division.
 class Habitat {
  public:
-  Habitat(const Projection& projection, const GrayView& left, const RoadPlane& road, const FieldOptions& field);
+  Habitat(const Projection& projection, const RectifiedPair& pair, const RoadPlane& road, const FieldOptions& field);
 
   /// True when the fly lies in the field and its left projection in the image; false when it is not finite.
   bool holds(const StereoPoint& fly) const;
@@ -34,13 +34,14 @@ class Habitat {
   double camera_above_road_m() const { return camera_above_road_m_; }
 
   const Projection& projection() const { return projection_; }
-  const GrayView& left() const { return left_; }
+  const GrayView& left() const { return pair_.left; }
+  const RectifiedPair& pair() const { return pair_; }
   const RoadPlane& road() const { return road_; }
   const FieldOptions& field() const { return field_; }
 
  private:
   Projection projection_;
-  GrayView left_;
+  RectifiedPair pair_;
   RoadPlane road_;
   FieldOptions field_;
   Linear x_, y_, z_, height_;

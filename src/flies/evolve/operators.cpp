@@ -42,7 +42,7 @@ StereoPoint draw_in_space(const Habitat& habitat, const RandomWords& words) {
   return project(habitat, {x_m, y_m, habitat.road().z_m(x_m, y_m) + uniform(words[2], field.z_min_m, field.z_max_m)});
 }
 
-kernels::SpawnSearch spawn_search(const Habitat& habitat, double informative_gray) {
+kernels::SpawnSearch spawn_search(const Habitat& habitat, const EvolveOptions& options) {
   const auto f = [](double value) { return static_cast<float>(value); };
   const auto linear = [&](const Habitat::Linear& l) { return kernels::Linear{f(l.constant), f(l.per_u), f(l.per_v)}; };
   const auto& field = habitat.field();
@@ -50,7 +50,8 @@ kernels::SpawnSearch spawn_search(const Habitat& habitat, double informative_gra
   const double infinity_px = habitat.projection().disparity_offset_px();
   const double min_q = habitat.projection().disparity_at_depth(field.x_max_m) - infinity_px;
   const double max_q = habitat.projection().disparity_at_depth(field.x_min_m) - infinity_px;
-  return {.left = habitat.left(),
+  return {.left = habitat.pair().left,
+          .right = habitat.pair().right,
           .infinity_px = f(infinity_px),
           .min_q = f(min_q),
           .span_q = f(max_q - min_q),
@@ -66,7 +67,8 @@ kernels::SpawnSearch spawn_search(const Habitat& habitat, double informative_gra
           .x_max_m = f(field.x_max_m),
           .y_min_m = f(field.y_min_m),
           .y_max_m = f(field.y_max_m),
-          .min_contrast = static_cast<int>(std::ceil(informative_gray)),
+          .min_contrast = static_cast<int>(std::ceil(options.informative_gray)),
+          .min_likeness = f(options.alike_rows),
           .max_draws = kMaxDraws,
           .seed = 0,
           .purpose = 0,
@@ -87,20 +89,31 @@ int row_contrast(const GrayView& left, const StereoPoint& point) {
   return *brightest - *darkest;
 }
 
-StereoPoint spawn(const Habitat& habitat, InitialDistribution distribution, double informative_gray, FlyDraws draws) {
+bool rows_alike(const RectifiedPair& pair, const StereoPoint& fly, double least) {
+  const auto left = static_cast<int>(std::floor(fly.u_px + 0.5)) - kContrastWindow_px / 2;
+  const auto right = static_cast<int>(std::floor(fly.u_px - fly.disparity_px + 0.5)) - kContrastWindow_px / 2;
+  const auto v = static_cast<int>(std::floor(fly.v_px + 0.5));
+  const int last = pair.left.width_px - kContrastWindow_px;
+  if (left < 0 || left > last || right < 0 || right > last || v < 0 || v >= pair.left.height_px) return false;
+  return kernels::sum_windows(pair.left.row(v) + left, pair.right.row(v) + right).alike(static_cast<float>(least));
+}
+
+StereoPoint spawn(const Habitat& habitat, const EvolveOptions& options, FlyDraws draws) {
   StereoPoint fly;
   for (int draw = 0; draw < kMaxDraws; ++draw) {
     const auto words = draws.next();
-    fly = distribution == InitialDistribution::image ? draw_in_image(habitat, words) : draw_in_space(habitat, words);
-    if (habitat.holds(fly) && row_contrast(habitat.left(), fly) >= informative_gray) break;
+    fly = options.initial == InitialDistribution::image ? draw_in_image(habitat, words) : draw_in_space(habitat, words);
+    if (habitat.holds(fly) && row_contrast(habitat.left(), fly) >= options.informative_gray &&
+        (options.alike_rows == 0.0 || rows_alike(habitat.pair(), fly, options.alike_rows)))
+      break;
   }
   return fly;
 }
 
-void spawn(const Habitat& habitat, InitialDistribution distribution, double informative_gray, const FlyRange& range,
-           std::size_t begin, ImagePopulation& flies) {
-  if (distribution == InitialDistribution::image && habitat.left().width_px >= kernels::kMinWidth_px) {
-    auto search = spawn_search(habitat, informative_gray);
+void spawn(const Habitat& habitat, const EvolveOptions& options, const FlyRange& range, std::size_t begin,
+           ImagePopulation& flies) {
+  if (options.initial == InitialDistribution::image && habitat.left().width_px >= kernels::kMinWidth_px) {
+    auto search = spawn_search(habitat, options);
     search.seed = range.seed;
     search.purpose = range.purpose;
     search.generation = range.generation;
@@ -110,7 +123,7 @@ void spawn(const Habitat& habitat, InitialDistribution distribution, double info
   }
   for (std::size_t k = 0; k < range.count; ++k) {
     const FlyDraws draws(range.seed, range.purpose, range.generation, range.first + static_cast<std::uint32_t>(k));
-    flies.set(begin + k, spawn(habitat, distribution, informative_gray, draws));
+    flies.set(begin + k, spawn(habitat, options, draws));
   }
 }
 

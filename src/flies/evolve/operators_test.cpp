@@ -35,7 +35,16 @@ class OperatorsTest : public testing::Test {
             .height_px = 480,
             .mount = {.height_m = 1.5}};
   }
-  Habitat habitat() const { return {Projection(camera()), {pixels_.data(), 640, 480, 640}, {}, {}}; }
+  GrayView image() const { return {pixels_.data(), 640, 480, 640}; }
+  /// The same picture in both images: disparities of multiples of the stripes match.
+  Habitat habitat() const { return {Projection(camera()), {image(), image()}, {}, {}}; }
+  static EvolveOptions spawning(InitialDistribution distribution, double informative_gray, double alike_rows = 0.0) {
+    EvolveOptions options;
+    options.initial = distribution;
+    options.informative_gray = informative_gray;
+    options.alike_rows = alike_rows;
+    return options;
+  }
   static FlyDraws draws(int i) { return {1, 0, 0, static_cast<std::uint32_t>(i)}; }
 
   std::vector<std::uint8_t> pixels_;
@@ -44,7 +53,7 @@ class OperatorsTest : public testing::Test {
 TEST_F(OperatorsTest, SpawnStaysInTheHabitat) {
   for (const auto distribution : {InitialDistribution::image, InitialDistribution::space})
     for (int i = 0; i < kDraws; ++i) {
-      EXPECT_TRUE(habitat().holds(spawn(habitat(), distribution, 0.0, draws(i))));
+      EXPECT_TRUE(habitat().holds(spawn(habitat(), spawning(distribution, 0.0), draws(i))));
     }
 }
 
@@ -52,7 +61,7 @@ TEST_F(OperatorsTest, SpawnSpreadsDisparityOrDistanceEvenly) {
   const auto mean = [&](InitialDistribution distribution, auto value) {
     double sum = 0.0;
     for (int i = 0; i < kDraws; ++i) {
-      sum += value(habitat().point(spawn(habitat(), distribution, 0.0, draws(i)))) / kDraws;
+      sum += value(habitat().point(spawn(habitat(), spawning(distribution, 0.0), draws(i)))) / kDraws;
     }
     return sum;
   };
@@ -68,9 +77,31 @@ TEST_F(OperatorsTest, SpawnSpreadsDisparityOrDistanceEvenly) {
 TEST_F(OperatorsTest, SpawnPrefersInformativePlaces) {
   int informative = 0;
   for (int i = 0; i < kDraws; ++i) {
-    informative += spawn(habitat(), InitialDistribution::image, 20.0, draws(i)).u_px > 310.0;
+    informative += spawn(habitat(), spawning(InitialDistribution::image, 20.0), draws(i)).u_px > 310.0;
   }
   EXPECT_GT(informative, 0.99 * kDraws);
+}
+
+TEST_F(OperatorsTest, SpawnTakesAGlanceAtBothRows) {
+  const auto alike = [&](double alike_rows) {
+    int count = 0;
+    for (int i = 0; i < kDraws; ++i) {
+      const auto fly = spawn(habitat(), spawning(InitialDistribution::image, 20.0, alike_rows), draws(i));
+      count += rows_alike(habitat().pair(), fly, 0.9);
+    }
+    return count;
+  };
+  EXPECT_GT(alike(0.9), 4 * alike(0.0));
+}
+
+TEST_F(OperatorsTest, RowsAreAlikeWhereTheyShowTheSame) {
+  const RectifiedPair pair{image(), image()};
+  EXPECT_TRUE(rows_alike(pair, {500, 100, 16}, 0.99));
+  EXPECT_FALSE(rows_alike(pair, {500, 100, 20}, 0.01)) << "stripes in opposition";
+  EXPECT_FALSE(rows_alike(pair, {100, 100, 16}, 0.01)) << "no contrast";
+  EXPECT_FALSE(rows_alike(pair, {638, 100, 16}, 0.01)) << "the window leaves the left image";
+  EXPECT_FALSE(rows_alike(pair, {500, 100, 498}, 0.01)) << "the window leaves the right image";
+  EXPECT_FALSE(rows_alike(pair, {500, -3, 16}, 0.01)) << "outside the image";
 }
 
 TEST_F(OperatorsTest, RowContrastIsTheSpreadOfGreyLevelsInAPatch) {
@@ -137,7 +168,10 @@ Habitat tilted_habitat() {
                             .cy_px = 240,
                             .baseline_m = 0.5,
                             .mount = {.height_m = 1.5, .pitch_rad = 0.05, .roll_rad = -0.03}};
-  return {Projection(camera), {nullptr, 640, 480, 640}, {.height_m = 0.1, .slope = 0.02, .bank = -0.03}, {}};
+  return {Projection(camera),
+          {{nullptr, 640, 480, 640}, {nullptr, 640, 480, 640}},
+          {.height_m = 0.1, .slope = 0.02, .bank = -0.03},
+          {}};
 }
 
 TEST(Habitat, LocatesFliesAsTheProjectionDoes) {

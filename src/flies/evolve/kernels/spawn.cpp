@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "flies/core/random.hpp"
 
@@ -45,6 +46,31 @@ HWY_INLINE int contrast(const std::uint8_t* window) {
   largest = hn::Max(largest, hn::BitCast(full, hn::ShiftRight<8>(hn::BitCast(halves, largest))));
   const auto brightest = hn::ExtractLane(largest, 0), complement = hn::ExtractLane(largest, 8);
   return static_cast<int>(brightest) + static_cast<int>(complement) - 255;
+#endif
+}
+
+HWY_INLINE WindowSums sums(const std::uint8_t* left, const std::uint8_t* right) {
+#if HWY_TARGET == HWY_SCALAR
+  return sum_windows(left, right);
+#else
+  const hn::FixedTag<std::int16_t, 8> d16;
+  const hn::FixedTag<std::int32_t, 4> d32;
+  const hn::Rebind<std::uint8_t, decltype(d16)> d8;
+  // Two overlapping halves, the overlap taken out of the second one.
+  constexpr std::size_t kSecond = kMinWidth_px - 8;
+  const auto fresh = hn::VecFromMask(d16, hn::Gt(hn::Iota(d16, 0), hn::Set(d16, 7 - kSecond)));
+  const auto l0 = hn::PromoteTo(d16, hn::LoadU(d8, left)), r0 = hn::PromoteTo(d16, hn::LoadU(d8, right));
+  const auto l1 = hn::And(fresh, hn::PromoteTo(d16, hn::LoadU(d8, left + kSecond)));
+  const auto r1 = hn::And(fresh, hn::PromoteTo(d16, hn::LoadU(d8, right + kSecond)));
+  const auto one = hn::Set(d16, 1);
+  using V16 = hn::Vec<decltype(d16)>;
+  const auto dot = [&](V16 a0, V16 b0, V16 a1, V16 b1) HWY_ATTR {
+    auto rest = hn::Zero(d32);
+    auto sum = hn::ReorderWidenMulAccumulate(d32, a0, b0, hn::Zero(d32), rest);
+    sum = hn::ReorderWidenMulAccumulate(d32, a1, b1, sum, rest);
+    return hn::GetLane(hn::SumOfLanes(d32, hn::Add(sum, rest)));
+  };
+  return {dot(l0, one, l1, one), dot(r0, one, r1, one), dot(l0, l0, l1, l1), dot(l0, r0, l1, r1), dot(r0, r0, r1, r1)};
 #endif
 }
 
@@ -93,10 +119,20 @@ HWY_INLINE void place(const SpawnSearch& search, Draws& draws, std::size_t k) {
   hn::Store(pixel(v), D32(), draws.row + k);
 }
 
+/// Whether the windows around both projections of draw k lie in the images and look alike.
+HWY_INLINE bool alike(const SpawnSearch& search, const Draws& draws, std::size_t k) {
+  const int left = draws.column[k] - kMinWidth_px / 2;
+  const int right = static_cast<int>(std::floor(draws.u_px[k] - draws.disparity_px[k] + 0.5F)) - kMinWidth_px / 2;
+  const int last = search.left.width_px - kMinWidth_px;
+  if (left < 0 || left > last || right < 0 || right > last) return false;
+  return sums(search.left.row(draws.row[k]) + left, search.right.row(draws.row[k]) + right).alike(search.min_likeness);
+}
+
 void SpawnFlies(const SpawnSearch& search, std::uint32_t first_fly, std::size_t count, float* u_px, float* v_px,
                 float* disparity_px) {
   Draws draws;
-  std::array<std::uint32_t, kBlock> pending;
+  std::array<std::uint32_t, kBlock> pending, promising;
+  std::array<bool, kBlock> accepted;
   const int last_window = search.left.width_px - kMinWidth_px;
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
     std::size_t left = std::min(kBlock, count - begin);
@@ -109,7 +145,7 @@ void SpawnFlies(const SpawnSearch& search, std::uint32_t first_fly, std::size_t 
       }
       for (std::size_t k = 0; k < left; k += hn::MaxLanes(D())) place(search, draws, k);
       // No branches, which would be mispredicted: every fly takes its last draw, some will draw again.
-      std::size_t refused = 0;
+      std::size_t promising_count = 0;
       for (std::size_t k = 0; k < left; ++k) {
         const auto fly = pending[k];
         u_px[fly] = draws.u_px[k];
@@ -117,8 +153,16 @@ void SpawnFlies(const SpawnSearch& search, std::uint32_t first_fly, std::size_t 
         disparity_px[fly] = draws.disparity_px[k];
         const int window = std::clamp(draws.column[k] - kMinWidth_px / 2, 0, last_window);
         const bool informative = contrast(search.left.row(std::max(draws.row[k], 0)) + window) >= search.min_contrast;
-        pending[refused] = fly;
-        refused += informative & (draws.row[k] >= 0) ? 0 : 1;
+        accepted[k] = informative & (draws.row[k] >= 0);
+        promising[promising_count] = static_cast<std::uint32_t>(k);
+        promising_count += accepted[k] ? 1 : 0;
+      }
+      if (search.min_likeness > 0.0F)
+        for (std::size_t k = 0; k < promising_count; ++k) accepted[promising[k]] = alike(search, draws, promising[k]);
+      std::size_t refused = 0;
+      for (std::size_t k = 0; k < left; ++k) {
+        pending[refused] = pending[k];
+        refused += accepted[k] ? 0 : 1;
       }
       left = refused;
     }
@@ -130,6 +174,18 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace flies::kernels {
+
+WindowSums sum_windows(const std::uint8_t* left, const std::uint8_t* right) {
+  WindowSums sums{};
+  for (int i = 0; i < kMinWidth_px; ++i) {
+    sums.l += left[i];
+    sums.r += right[i];
+    sums.ll += left[i] * left[i];
+    sums.lr += left[i] * right[i];
+    sums.rr += right[i] * right[i];
+  }
+  return sums;
+}
 
 HWY_EXPORT(SpawnFlies);
 

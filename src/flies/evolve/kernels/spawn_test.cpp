@@ -14,6 +14,8 @@ namespace flies {
 namespace {
 
 constexpr int kWidth_px = 400, kHeight_px = 200;
+/// The right image shows what the left one does, by so much to the left.
+constexpr int kDisparity_px = 20, kStride = kWidth_px + kDisparity_px;
 
 /// Rounding of coordinates in single precision.
 constexpr double kRounding_px = 1e-3;
@@ -23,13 +25,13 @@ constexpr double kBorderCases = 0.01;
 
 class SpawnFlies : public testing::TestWithParam<std::int64_t> {
  protected:
-  SpawnFlies() : pixels_(kWidth_px * kHeight_px) {
+  SpawnFlies() : pixels_(kStride * kHeight_px) {
     // Places of no contrast and of much, wider and narrower than the window.
     FlyRandom random(6, 0, 0, 0);
     for (int v = 0; v < kHeight_px; ++v)
-      for (int u = 0; u < kWidth_px; u += 10) {
+      for (int u = 0; u < kStride; u += 10) {
         const auto gray = static_cast<std::uint8_t>(random.below(4) == 0 ? random.below(256) : 100);
-        for (int i = u; i < u + 10; ++i) pixels_[static_cast<std::size_t>(v * kWidth_px + i)] = gray;
+        for (int i = u; i < u + 10; ++i) pixels_[static_cast<std::size_t>(v * kStride + i)] = gray;
       }
   }
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
@@ -43,14 +45,21 @@ class SpawnFlies : public testing::TestWithParam<std::int64_t> {
                               .baseline_m = 0.5,
                               .mount = {.height_m = 1.4, .pitch_rad = 0.04, .roll_rad = 0.02}};
     return {Projection(camera),
-            {pixels_.data(), kWidth_px, kHeight_px, kWidth_px},
+            {{pixels_.data(), kWidth_px, kHeight_px, kStride},
+             {pixels_.data() + kDisparity_px, kWidth_px, kHeight_px, kStride}},
             {.height_m = 0.1, .slope = 0.02},
             {.y_min_m = -8, .y_max_m = 6}};
   }
-  ImagePopulation spawned(double informative_gray, std::size_t count) const {
+  static EvolveOptions spawning(double informative_gray, double alike_rows) {
+    EvolveOptions options;
+    options.informative_gray = informative_gray;
+    options.alike_rows = alike_rows;
+    return options;
+  }
+  ImagePopulation spawned(const EvolveOptions& options, std::size_t count) const {
     ImagePopulation flies;
     flies.resize(count + 2);
-    spawn(habitat(), InitialDistribution::image, informative_gray, {1, 2, 3, 4, count}, 2, flies);
+    spawn(habitat(), options, {1, 2, 3, 4, count}, 2, flies);
     return flies;
   }
 
@@ -60,30 +69,29 @@ class SpawnFlies : public testing::TestWithParam<std::int64_t> {
 TEST_P(SpawnFlies, AgreesWithSpawningOneByOne) {
   hwy::SetSupportedTargetsForTest(GetParam());
   constexpr std::size_t kFlies = 1000;
-  for (const double informative_gray : {0.0, 12.0, 200.0}) {
-    const auto flies = spawned(informative_gray, kFlies);
+  for (const auto& options : {spawning(0, 0), spawning(12, 0), spawning(200, 0), spawning(12, 0.5)}) {
+    const auto flies = spawned(options, kFlies);
     double others = 0;
     for (std::size_t k = 0; k < kFlies; ++k) {
       const auto fly = flies.point(k + 2);
-      const auto expected = spawn(habitat(), InitialDistribution::image, informative_gray,
-                                  FlyDraws(1, 2, 3, 4 + static_cast<std::uint32_t>(k)));
+      const auto expected = spawn(habitat(), options, FlyDraws(1, 2, 3, 4 + static_cast<std::uint32_t>(k)));
       others += std::abs(fly.u_px - expected.u_px) > kRounding_px ||
                 std::abs(fly.v_px - expected.v_px) > kRounding_px ||
                 std::abs(fly.disparity_px - expected.disparity_px) > kRounding_px;
     }
-    EXPECT_LE(others, kBorderCases * kFlies) << informative_gray;
+    EXPECT_LE(others, kBorderCases * kFlies) << options.informative_gray << ' ' << options.alike_rows;
   }
 }
 
 TEST_P(SpawnFlies, GivesTheSameFliesOnEveryTargetAndInEveryPart) {
-  const auto expected = spawned(12.0, 300);
+  const auto expected = spawned(spawning(12, 0.5), 300);
   hwy::SetSupportedTargetsForTest(GetParam());
-  const auto flies = spawned(12.0, 300);
+  const auto flies = spawned(spawning(12, 0.5), 300);
   EXPECT_EQ(flies.u_px, expected.u_px);
   EXPECT_EQ(flies.v_px, expected.v_px);
   EXPECT_EQ(flies.disparity_px, expected.disparity_px);
   for (std::size_t count = 0; count < 20; ++count) {
-    const auto some = spawned(12.0, count);
+    const auto some = spawned(spawning(12, 0.5), count);
     for (std::size_t i = 2; i < some.size(); ++i) EXPECT_EQ(some.v_px[i], expected.v_px[i]);
   }
 }
