@@ -24,8 +24,7 @@ constexpr std::size_t kBatch = 64;
 NetworkOptions read_side_file(const fs::path& network) {
   const std::string path = fs::path(network).replace_extension(".yaml").string();
   NetworkOptions options;
-  for (const auto& setting : load_options_yaml(path))
-    set_option(options, setting.path, setting.text, setting.source);
+  for (const auto& setting : load_options_yaml(path)) set_option(options, setting.path, setting.text, setting.source);
   return options;
 }
 
@@ -78,10 +77,10 @@ class NetworkClassifier final : public PeopleClassifier {
     try {
       run({blank, blank});
     } catch (const cv::Exception& error) {
-      throw InputError(name_, "",
-                       fmt::format("OpenCV cannot run this network on {} x {} px with {} channels: {}",
-                                   options_.input_width_px, options_.input_height_px, options_.channels,
-                                   first_line(error)));
+      throw InputError(
+          name_, "",
+          fmt::format("OpenCV cannot run this network on {} x {} px with {} channels: {}", options_.input_width_px,
+                      options_.input_height_px, options_.channels, first_line(error)));
     }
   }
 

@@ -35,8 +35,10 @@ struct NetworkOptions {
     field("channels", self.channels, Range{1, 3}, "grey levels are repeated in each; layout N x C x H x W");
     field("mean", self.mean, Range{-1e6, 1e6}, "subtracted from the grey levels, 0 to 255");
     field("scale", self.scale, Range{-1e6, 1e6}, "that the difference is multiplied with");
-    field("person_index", self.person_index, Range{0, 1000000}, "which of the numbers for a window says person, from 0");
-    field("output", self.output, "what that number is: a probability, its log-odds, or one of all of which softmax is taken");
+    field("person_index", self.person_index, Range{0, 1000000},
+          "which of the numbers for a window says person, from 0");
+    field("output", self.output,
+          "what that number is: a probability, its log-odds, or one of all of which softmax is taken");
     field("threshold", self.threshold, Range{0.0, 1.0}, "a window is a person when its probability exceeds this");
   }
 };
