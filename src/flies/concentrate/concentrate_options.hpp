@@ -23,13 +23,15 @@ struct AssembleOptions {
   double depth_gap_share = 0.06;
   double lateral_gap_m = 1.2;
   double see_through_share = 0.3;
+  double see_through_gap_m = 0.5;
   double max_width_m = 3.0;
-  double near_quantile = 0.15;
+  double max_surface_m = 6.0;
+  double near_quantile = 0.1;
   double radius_bandwidths = 3.5;
   double min_height_m = 0.3;
   double min_height_px = 9.0;
   double min_extent_m = 0.4;
-  double min_score = 0.003;
+  double min_score = 0.007;
   int min_flies = 3;
 
   template <class Self, class Field>
@@ -41,7 +43,11 @@ struct AssembleOptions {
     field("lateral_gap_m", self.lateral_gap_m, Range{0, 10}, "largest sideways gap inside an object");
     field("see_through_share", self.see_through_share, Range{0, 1e6},
           "fitness seen farther away through a gap, over that of the weaker part, from which the gap splits an object");
-    field("max_width_m", self.max_width_m, Range{0.1, 100}, "candidates are not joined to anything wider");
+    field("see_through_gap_m", self.see_through_gap_m, Range{0, 10},
+          "narrower gaps never split an object: between legs or the spokes of a wheel one sees through");
+    field("max_width_m", self.max_width_m, Range{0.1, 100}, "candidates are joined to things up to this width");
+    field("max_surface_m", self.max_surface_m, Range{0.1, 100},
+          "and across half of these gaps up to this width: long vehicles, walls");
     field("near_quantile", self.near_quantile, Range{0, 1},
           "quantile of the flies' range that counts as the near face: 0 the nearest fly");
     field("radius_bandwidths", self.radius_bandwidths, Range{0.5, 20},
@@ -62,11 +68,11 @@ struct ConcentrateOptions {
   double view_angle_deg = 1.0;
   double half_field_deg = 45.0;
   double bin_m = 0.5;
-  int samples = 1;
+  int samples = 2;
   double bandwidth_px = 6.0;
   int iterations = 6;
   double min_density = 0.0;
-  double min_density_share = 0.03;
+  double min_density_share = 0.02;
   AssembleOptions assemble;
 
   template <class Self, class Field>

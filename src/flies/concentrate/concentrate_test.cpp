@@ -55,7 +55,7 @@ TEST(SampleHistograms, PutsTheSampleInTheFullestInterval) {
   flies.push_back({10.4, 0.05, 1}, 1.0F);
   flies.push_back({20.2, 0.1, 1}, 1.5F);
   flies.push_back({30.0, 0.1, 1}, 0.0F);
-  const auto [axis, views] = sample_histograms(flies, {}, {});
+  const auto [axis, views] = sample_histograms(flies, {}, {.samples = 1});
   EXPECT_EQ(axis.bins, static_cast<int>((45.0 - 4.0) / 0.5));
   int sampled = 0;
   for (const auto& view : views) {
@@ -213,6 +213,32 @@ TEST(Concentrate, JoinsTheEdgesOfAPlainVanAndOfNothingElse) {
   ConcentrateOptions narrow;
   narrow.assemble.max_width_m = 0.8;
   EXPECT_EQ(run(flies, narrow).obstacles.size(), 2U);
+}
+
+TEST(Concentrate, JoinsASurfaceBeyondTheWidthOfAnObject) {
+  Population flies;
+  for (int k = 0; k < 5; ++k) add_board(flies, 15.0, 2.0 - k, 0.9, 1.9, 150);
+  const auto result = run(flies);
+  ASSERT_EQ(result.obstacles.size(), 1U);
+  EXPECT_NEAR(result.obstacles[0].width_m, 4.7, 0.4);
+
+  ConcentrateOptions narrow;
+  narrow.assemble.max_surface_m = narrow.assemble.max_width_m;
+  EXPECT_GE(run(flies, narrow).obstacles.size(), 2U);
+}
+
+TEST(Concentrate, SeesThroughTheGapBetweenObjectsAndNotThroughThatBetweenLegs) {
+  const auto found = [](double gap_m) {
+    Population flies;
+    add_board(flies, 8.0, 0.5 * gap_m + 0.2, 0.4, 1.7, 200);
+    add_board(flies, 8.0, -0.5 * gap_m - 0.2, 0.4, 1.7, 200);
+    add_board(flies, 30.0, 0.0, 4.0, 2.2, 1500);
+    const auto result = run(flies);
+    return std::count_if(result.obstacles.begin(), result.obstacles.end(),
+                         [](const Obstacle& o) { return o.range_m < 9.0; });
+  };
+  EXPECT_EQ(found(0.3), 1);
+  EXPECT_EQ(found(0.9), 2);
 }
 
 TEST(Concentrate, ReportsTheNearFaceOrTheCandidate) {

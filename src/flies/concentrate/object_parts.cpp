@@ -12,6 +12,12 @@ namespace {
 /// Quantiles that bound an object: a few stray flies at either end do not stretch it.
 constexpr double kLowEdge = 0.05, kHighEdge = 0.95;
 
+/// The far end of an object is that of far fewer flies, which match worse, than its near face.
+constexpr double kFarQuantile = 0.85;
+
+/// Parts whose gaps are below this share of those allowed are taken for one surface.
+constexpr double kSurfaceGap = 0.5;
+
 struct WeightedValue {
   double value = 0.0;
   double weight = 0.0;
@@ -45,7 +51,7 @@ Extent measure(const std::vector<std::size_t>& members, const Population& flies,
   sort_by_value(range_m);
   sort_by_value(azimuth_rad);
   sort_by_value(height_m);
-  return {weighted_quantile(range_m, near_quantile), weighted_quantile(range_m, 1.0 - near_quantile),
+  return {weighted_quantile(range_m, near_quantile), weighted_quantile(range_m, std::max(near_quantile, kFarQuantile)),
           weighted_quantile(azimuth_rad, kLowEdge),  weighted_quantile(azimuth_rad, kHighEdge),
           weighted_quantile(height_m, kLowEdge),     weighted_quantile(height_m, kHighEdge)};
 }
@@ -94,9 +100,12 @@ std::optional<double> separation(const Part& a, const Part& b, const Backdrop& b
   if (!(depth <= 1.0 && lateral <= 1.0)) return {};
 
   const double width_m = near_m * (std::max(ea.left_rad, eb.left_rad) - std::min(ea.right_rad, eb.right_rad));
-  if (width_m > options.max_width_m || far_m - near_m > options.max_width_m) return {};
+  const double size_m = std::max(width_m, far_m - near_m);
+  const bool one_surface = lateral <= kSurfaceGap && depth <= kSurfaceGap;
+  if (size_m > options.max_width_m && !(one_surface && size_m <= options.max_surface_m)) return {};
 
   const double gap_right_rad = std::min(ea.left_rad, eb.left_rad), gap_left_rad = std::max(ea.right_rad, eb.right_rad);
+  if (near_m * (gap_left_rad - gap_right_rad) <= options.see_through_gap_m) return std::hypot(depth, lateral);
   const double behind = backdrop.fitness_behind(gap_right_rad, gap_left_rad, far_m * (1.0 + options.depth_gap_share));
   if (behind > options.see_through_share * std::min(a.fitness, b.fitness)) return {};
   return std::hypot(depth, lateral);

@@ -13,10 +13,11 @@
 namespace flies {
 namespace {
 
-/// Keeps the streams of the first flies and of the children apart; the frame counts above it.
+/// Keeps the streams of the first flies, of the children and of the scouts of both apart; the frame counts above it.
 constexpr std::uint32_t kFirstGeneration = 0;
 constexpr std::uint32_t kChildren = 1;
-constexpr std::uint32_t kPurposes = 2;
+constexpr std::uint32_t kScouts = 2;  ///< added to those
+constexpr std::uint32_t kPurposes = 4;
 
 std::size_t part_of(double share, std::size_t count) {
   return static_cast<std::size_t>(std::lround(share * static_cast<double>(count)));
@@ -57,6 +58,7 @@ struct Chance {
   FlyRange range(std::size_t first, std::size_t count) const {
     return {source.seed, source.frame * kPurposes + purpose, generation, static_cast<std::uint32_t>(first), count};
   }
+  Chance scouts() const { return {source, purpose + kScouts, generation}; }
   FlyDraws draws(std::size_t fly) const {
     const auto all = range(fly, 1);
     return {all.seed, all.purpose, all.generation, all.first};
@@ -81,7 +83,8 @@ void breed(const Scene& scene, const Brood& brood, std::size_t parents, double m
   }
   if (const auto spawned_end = std::min(end, parents + brood.spawned_end); i < spawned_end) {
     spawn(habitat, options, chance.range(i, spawned_end - i), i, flies);
-    i = spawned_end;
+    if (options.scouts == 0) i = spawned_end;
+    for (; i < spawned_end; ++i) flies.set(i, scout(habitat, options.scouts, flies.point(i), chance.scouts().draws(i)));
   }
   for (; i < end; ++i) {
     auto draws = chance.draws(i);

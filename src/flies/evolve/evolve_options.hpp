@@ -7,14 +7,18 @@
 
 namespace flies {
 
+/// Bounds the memory of one birth.
+inline constexpr int kMaxScouts = 32;
+
 /// How the first flies and the immigrants are spread.
 enum class InitialDistribution {
-  image,  ///< u, disparity and height above the road uniform: every part of the image gets its share
-  space,  ///< x, y and z uniform in the field of detection: most flies are far away
+  ratios,  ///< u and height above the road uniform, disparity at equal ratios: every distance gets its share
+  image,   ///< u, disparity and height above the road uniform: every part of the image gets its share
+  space,   ///< x, y and z uniform in the field of detection: most flies are far away
 };
 template <>
 struct EnumNames<InitialDistribution> {
-  static constexpr std::array<std::string_view, 2> names = {"image", "space"};
+  static constexpr std::array<std::string_view, 3> names = {"ratios", "image", "space"};
 };
 
 struct SharingOptions {
@@ -72,9 +76,9 @@ struct RefineOptions {
 struct EvolveOptions {
   int flies = 8000;
   int generations = 3;
-  InitialDistribution initial = InitialDistribution::image;
+  InitialDistribution initial = InitialDistribution::ratios;
   double informative_gray = 12.0;
-  double alike_rows = 0.0;
+  int scouts = 5;
   double keep_share = 0.25;
   double crossover_share = 0.1;
   double immigration_share = 0.5;
@@ -88,13 +92,14 @@ struct EvolveOptions {
   static void fields(Self& self, Field&& f) {
     f("flies", self.flies, Range{1, 10'000'000}, "size of the population");
     f("generations", self.generations, Range{0, 1000}, "rounds of selection and re-generation");
-    f("initial", self.initial, "image: uniform in u, disparity and height; space: uniform in x, y and z");
+    f("initial", self.initial,
+      "ratios: uniform in u, height and the logarithm of disparity; image: uniform in u, height and disparity; space: "
+      "uniform in x, y and z");
     f("informative_gray", self.informative_gray, Range{0, 255},
       "first flies and immigrants are drawn again while grey levels beside their projection differ by less; 0 for off");
-    f("alike_rows", self.alike_rows, Range{0, 1},
-      "they are drawn again, too, while the rows through both projections correlate less: a glance before an "
-      "evaluation; "
-      "0 for off");
+    f("scouts", self.scouts, Range{0, kMaxScouts},
+      "other disparities tried for first flies and immigrants: the one whose single row of pixels matches best is "
+      "born");
     f("keep_share", self.keep_share, Range{0, 1}, "share of the population that selection keeps");
     f("crossover_share", self.crossover_share, Range{0, 1}, "share of the children that are crossed");
     f("immigration_share", self.immigration_share, Range{0, 1}, "share of the children that are drawn anew");

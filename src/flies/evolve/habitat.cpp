@@ -1,5 +1,8 @@
 #include "flies/evolve/habitat.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace flies {
 
 Habitat::Habitat(const Projection& projection, const RectifiedPair& pair, const RoadPlane& road,
@@ -8,7 +11,9 @@ Habitat::Habitat(const Projection& projection, const RectifiedPair& pair, const 
       pair_(pair),
       road_(road),
       field_(field),
-      camera_above_road_m_(projection.height_m() - road.height_m) {
+      camera_above_road_m_(projection.height_m() - road.height_m),
+      far_q_px_(projection.disparity_at_depth(field.x_max_m) - projection.disparity_offset_px()),
+      near_q_px_(projection.disparity_at_depth(field.x_min_m) - projection.disparity_offset_px()) {
   // Where q = 1, the coordinates relative to the camera are the linear functions themselves.
   const auto ray = [&](double u_px, double v_px) {
     Point3 p = projection.triangulate({u_px, v_px, projection.disparity_offset_px() + 1.0});
@@ -24,6 +29,9 @@ Habitat::Habitat(const Projection& projection, const RectifiedPair& pair, const 
   y_ = linear([](const Point3& p) { return p.y_m; });
   z_ = linear([](const Point3& p) { return p.z_m; });
   height_ = linear([&](const Point3& p) { return p.z_m - road.slope * p.x_m - road.bank * p.y_m; });
+
+  for (std::size_t i = 0; i < q_at_ratios_.size(); ++i)
+    q_at_ratios_[i] = static_cast<float>(far_q_px_ * std::pow(near_q_px_ / far_q_px_, static_cast<double>(i) / kSteps));
 }
 
 bool Habitat::holds(const StereoPoint& fly) const {
@@ -34,6 +42,29 @@ bool Habitat::holds(const StereoPoint& fly) const {
          between(field_.y_min_m * q, y_.at(fly), field_.y_max_m * q) &&
          between((field_.z_min_m - camera_above_road_m_) * q, height_.at(fly),
                  (field_.z_max_m - camera_above_road_m_) * q);
+}
+
+Habitat::Ratios Habitat::ratios_at(double u_px, double v_px) const {
+  // Each bound of the field, bound * q <= or >= coordinate, bounds q from one side, by its sign from the other.
+  const StereoPoint place{u_px, v_px, 0.0};
+  double low = far_q_px_, high = near_q_px_;
+  const auto restrict_to = [&](double least, const Linear& coordinate, double most) {
+    const double value = coordinate.at(place);
+    if (least > 0.0) high = std::min(high, value / least);
+    if (least < 0.0) low = std::max(low, value / least);
+    if (most > 0.0) low = std::max(low, value / most);
+    if (most < 0.0) high = std::min(high, value / most);
+  };
+  restrict_to(field_.x_min_m, x_, field_.x_max_m);
+  restrict_to(field_.y_min_m, y_, field_.y_max_m);
+  restrict_to(field_.z_min_m - camera_above_road_m_, height_, field_.z_max_m - camera_above_road_m_);
+  const auto ratio = [&](double q) {
+    const float steps =
+        std::log2(static_cast<float>(q / far_q_px_)) / std::log2(static_cast<float>(near_q_px_ / far_q_px_));
+    return std::clamp(static_cast<double>(steps), 0.0, 1.0);
+  };
+  if (!(low < high)) return {};
+  return {ratio(low), ratio(high)};
 }
 
 StereoPoint Habitat::at_height(double u_px, double height_m, double disparity_px) const {

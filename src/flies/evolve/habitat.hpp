@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 #include "flies/core/field.hpp"
 #include "flies/core/gray_view.hpp"
 #include "flies/core/road.hpp"
@@ -19,6 +22,25 @@ class Habitat {
 
   /// The fly in this column and of this disparity that is `height_m` above the road.
   StereoPoint at_height(double u_px, double height_m, double disparity_px) const;
+
+  /// Disparities at equal ratios: from that of the far end of the field (0) to that of its near end (1). Looked up and
+  /// interpolated, within 2e-5 of its logarithm.
+  double disparity_at_ratio(double ratio) const {
+    const double place = ratio * kSteps;
+    const auto step = static_cast<std::size_t>(place);
+    const double below = q_at_ratios_[step], above = q_at_ratios_[step + 1];
+    return projection_.disparity_offset_px() + below + (place - static_cast<double>(step)) * (above - below);
+  }
+
+  /// The ratios of the disparities that a fly may have at this place of the left image, 0 to 1. Equal when none.
+  struct Ratios {
+    double lowest = 0.0, highest = 0.0;
+  };
+  Ratios ratios_at(double u_px, double v_px) const;
+
+  /// Steps of the table behind `disparity_at_ratio`; it has an entry more on either side of the last step.
+  static constexpr std::size_t kSteps = 256;
+  const std::array<float, kSteps + 2>& q_at_ratios() const { return q_at_ratios_; }
 
   /// Position in the vehicle frame. The fly's disparity must exceed that of infinity.
   Point3 point(const StereoPoint& fly) const;
@@ -46,6 +68,8 @@ class Habitat {
   FieldOptions field_;
   Linear x_, y_, z_, height_;
   double camera_above_road_m_;
+  double far_q_px_, near_q_px_;
+  std::array<float, kSteps + 2> q_at_ratios_;
 };
 
 }  // namespace flies

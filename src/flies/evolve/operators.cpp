@@ -1,10 +1,13 @@
 #include "flies/evolve/operators.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <span>
 
+#include "flies/evolve/kernels/row_sums.hpp"
 #include "flies/evolve/kernels/spawn.hpp"
 
 namespace flies {
@@ -31,6 +34,14 @@ StereoPoint draw_in_image(const Habitat& habitat, const RandomWords& words) {
                                    habitat.projection().disparity_at_depth(field.x_min_m)));
 }
 
+/// Uniform in image column and height above the road, disparity at equal ratios.
+StereoPoint draw_in_ratios(const Habitat& habitat, const RandomWords& words) {
+  const auto& field = habitat.field();
+  return habitat.at_height(uniform(words[0], 0.0, habitat.left().width_px - 1),
+                           uniform(words[1], field.z_min_m, field.z_max_m),
+                           habitat.disparity_at_ratio(uniform(words[2])));
+}
+
 StereoPoint project(const Habitat& habitat, const Point3& point) {
   return habitat.projection().depth_m(point) > 0.0 ? habitat.projection().project(point) : kNowhere;
 }
@@ -42,6 +53,30 @@ StereoPoint draw_in_space(const Habitat& habitat, const RandomWords& words) {
   return project(habitat, {x_m, y_m, habitat.road().z_m(x_m, y_m) + uniform(words[2], field.z_min_m, field.z_max_m)});
 }
 
+StereoPoint draw_fly(const Habitat& habitat, InitialDistribution distribution, const RandomWords& words) {
+  switch (distribution) {
+    case InitialDistribution::ratios:
+      return draw_in_ratios(habitat, words);
+    case InitialDistribution::image:
+      return draw_in_image(habitat, words);
+    case InitialDistribution::space:
+      return draw_in_space(habitat, words);
+  }
+  return kNowhere;
+}
+
+/// Standard deviation of image noise that rows are compared with, grey levels; keeps flat rows from looking alike.
+constexpr double kRowNoise_gray = 2.0;
+
+/// Covariance of the rows over the right one's standard deviation, squared but for its sign: orders rows that are held
+/// against the same left one as the correlation coefficient does.
+double likeness(const kernels::RowSums& left, const kernels::RowSums& right) {
+  constexpr double n = kernels::kRowColumns, kNoise = n * n * kRowNoise_gray * kRowNoise_gray;
+  const double covariance = n * right.products - static_cast<double>(left.right) * right.right;
+  const double variance = n * right.squares - static_cast<double>(right.right) * right.right;
+  return covariance * std::abs(covariance) / (variance + kNoise);
+}
+
 kernels::SpawnSearch spawn_search(const Habitat& habitat, const EvolveOptions& options) {
   const auto f = [](double value) { return static_cast<float>(value); };
   const auto linear = [&](const Habitat::Linear& l) { return kernels::Linear{f(l.constant), f(l.per_u), f(l.per_v)}; };
@@ -51,10 +86,10 @@ kernels::SpawnSearch spawn_search(const Habitat& habitat, const EvolveOptions& o
   const double min_q = habitat.projection().disparity_at_depth(field.x_max_m) - infinity_px;
   const double max_q = habitat.projection().disparity_at_depth(field.x_min_m) - infinity_px;
   return {.left = habitat.pair().left,
-          .right = habitat.pair().right,
           .infinity_px = f(infinity_px),
           .min_q = f(min_q),
           .span_q = f(max_q - min_q),
+          .q_at_ratios = options.initial == InitialDistribution::ratios ? habitat.q_at_ratios().data() : nullptr,
           .min_m = f(field.z_min_m),
           .span_m = f(field.z_max_m - field.z_min_m),
           .v_per_height_q = f(1.0 / height.per_v),
@@ -68,7 +103,6 @@ kernels::SpawnSearch spawn_search(const Habitat& habitat, const EvolveOptions& o
           .y_min_m = f(field.y_min_m),
           .y_max_m = f(field.y_max_m),
           .min_contrast = static_cast<int>(std::ceil(options.informative_gray)),
-          .min_likeness = f(options.alike_rows),
           .max_draws = kMaxDraws,
           .seed = 0,
           .purpose = 0,
@@ -89,30 +123,19 @@ int row_contrast(const GrayView& left, const StereoPoint& point) {
   return *brightest - *darkest;
 }
 
-bool rows_alike(const RectifiedPair& pair, const StereoPoint& fly, double least) {
-  const auto left = static_cast<int>(std::floor(fly.u_px + 0.5)) - kContrastWindow_px / 2;
-  const auto right = static_cast<int>(std::floor(fly.u_px - fly.disparity_px + 0.5)) - kContrastWindow_px / 2;
-  const auto v = static_cast<int>(std::floor(fly.v_px + 0.5));
-  const int last = pair.left.width_px - kContrastWindow_px;
-  if (left < 0 || left > last || right < 0 || right > last || v < 0 || v >= pair.left.height_px) return false;
-  return kernels::sum_windows(pair.left.row(v) + left, pair.right.row(v) + right).alike(static_cast<float>(least));
-}
-
 StereoPoint spawn(const Habitat& habitat, const EvolveOptions& options, FlyDraws draws) {
   StereoPoint fly;
   for (int draw = 0; draw < kMaxDraws; ++draw) {
     const auto words = draws.next();
-    fly = options.initial == InitialDistribution::image ? draw_in_image(habitat, words) : draw_in_space(habitat, words);
-    if (habitat.holds(fly) && row_contrast(habitat.left(), fly) >= options.informative_gray &&
-        (options.alike_rows == 0.0 || rows_alike(habitat.pair(), fly, options.alike_rows)))
-      break;
+    fly = draw_fly(habitat, options.initial, words);
+    if (habitat.holds(fly) && row_contrast(habitat.left(), fly) >= options.informative_gray) break;
   }
   return fly;
 }
 
 void spawn(const Habitat& habitat, const EvolveOptions& options, const FlyRange& range, std::size_t begin,
            ImagePopulation& flies) {
-  if (options.initial == InitialDistribution::image && habitat.left().width_px >= kernels::kMinWidth_px) {
+  if (options.initial != InitialDistribution::space && habitat.left().width_px >= kernels::kMinWidth_px) {
     auto search = spawn_search(habitat, options);
     search.seed = range.seed;
     search.purpose = range.purpose;
@@ -125,6 +148,49 @@ void spawn(const Habitat& habitat, const EvolveOptions& options, const FlyRange&
     const FlyDraws draws(range.seed, range.purpose, range.generation, range.first + static_cast<std::uint32_t>(k));
     flies.set(begin + k, spawn(habitat, options, draws));
   }
+}
+
+StereoPoint scout(const Habitat& habitat, int scouts, const StereoPoint& fly, FlyDraws draws) {
+  constexpr int kReach_px = kernels::kRowColumns / 2;
+  const auto& [left_image, right_image] = habitat.pair();
+  const auto column = [](double u_px) { return static_cast<int>(u_px + 0.5) - kReach_px; };
+  const int last_column = left_image.width_px - kernels::kRowColumns;
+  if (scouts == 0 || !habitat.holds(fly)) return fly;
+  const int row = static_cast<int>(fly.v_px + 0.5), left_column = column(fly.u_px);
+  // The pixels behind a row that are read with it belong to the row below, so there must be one.
+  if (left_column < 0 || left_column > last_column || row + 1 >= left_image.height_px) return fly;
+
+  std::array<double, kMaxScouts + 1> disparities_px;
+  std::array<const std::uint8_t*, kMaxScouts + 2> rows;
+  const std::uint8_t* left = left_image.row(row) + left_column;
+  rows[0] = left;
+  std::size_t count = 0;
+  const auto add = [&](double disparity_px) {
+    const double u_right_px = fly.u_px - disparity_px;
+    if (u_right_px < kReach_px || column(u_right_px) > last_column) return;
+    disparities_px[count++] = disparity_px;
+    rows[count] = right_image.row(row) + column(u_right_px);
+  };
+  add(fly.disparity_px);
+  const auto [lowest, highest] = habitat.ratios_at(fly.u_px, fly.v_px);
+  RandomWords words{};
+  for (int i = 0; i < scouts; ++i) {
+    const auto word = static_cast<std::size_t>(i) % words.size();
+    if (word == 0) words = draws.next();
+    add(habitat.disparity_at_ratio(uniform(words[word], lowest, highest)));
+  }
+
+  std::array<kernels::RowSums, kMaxScouts + 2> sums;
+  kernels::sum_rows(left, std::span(rows).first(count + 1), sums.data());
+  StereoPoint best = fly;
+  double best_likeness = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double found = likeness(sums[0], sums[i + 1]);
+    if (found <= best_likeness) continue;
+    best_likeness = found;
+    best.disparity_px = disparities_px[i];
+  }
+  return best;
 }
 
 StereoPoint mutate(const Habitat& habitat, const MutationOptions& options, double scale, const StereoPoint& parent,

@@ -20,14 +20,8 @@ namespace flies {
 /// image.
 int row_contrast(const GrayView& left, const StereoPoint& point);
 
-/// A glance at a fly, one row of its evaluation: true when the row windows around its two projections, a patch wide,
-/// lie in the images and have a correlation coefficient of at least `least` (> 0), lowered by noise as the fitness
-/// does.
-bool rows_alike(const RectifiedPair& pair, const StereoPoint& fly, double least);
-
 /// A random fly of the habitat, for the first generation and for immigration, at a place of at least
-/// `EvolveOptions::informative_gray` row contrast and at least `EvolveOptions::alike_rows` likeness. After a bounded
-/// number of draws the last one is returned as it is.
+/// `EvolveOptions::informative_gray` row contrast. After a bounded number of draws the last one is returned as it is.
 StereoPoint spawn(const Habitat& habitat, const EvolveOptions& options, FlyDraws draws);
 
 /// Whose draws: flies count up from `first`.
@@ -40,6 +34,11 @@ struct FlyRange {
 /// `spawn` of many flies into [begin, begin + count) of `flies`, in single precision and vectors where it can be.
 void spawn(const Habitat& habitat, const EvolveOptions& options, const FlyRange& range, std::size_t begin,
            ImagePopulation& flies);
+
+/// Scouting: of `fly` and `scouts` others on the same line of sight, their disparities drawn at equal ratios over what
+/// the habitat holds, the one whose row of pixels looks most alike in both images. A row costs a small part of what a
+/// fitness does. The fly itself when its row leaves the left image.
+StereoPoint scout(const Habitat& habitat, int scouts, const StereoPoint& fly, FlyDraws draws);
 
 /// Mutation: the parent moved by normal deviates in the left image and in disparity, `scale` times the options'.
 /// A child outside the habitat is drawn again a few times, then the parent is returned.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace flies {
@@ -38,11 +39,10 @@ class OperatorsTest : public testing::Test {
   GrayView image() const { return {pixels_.data(), 640, 480, 640}; }
   /// The same picture in both images: disparities of multiples of the stripes match.
   Habitat habitat() const { return {Projection(camera()), {image(), image()}, {}, {}}; }
-  static EvolveOptions spawning(InitialDistribution distribution, double informative_gray, double alike_rows = 0.0) {
+  static EvolveOptions spawning(InitialDistribution distribution, double informative_gray) {
     EvolveOptions options;
     options.initial = distribution;
     options.informative_gray = informative_gray;
-    options.alike_rows = alike_rows;
     return options;
   }
   static FlyDraws draws(int i) { return {1, 0, 0, static_cast<std::uint32_t>(i)}; }
@@ -51,7 +51,7 @@ class OperatorsTest : public testing::Test {
 };
 
 TEST_F(OperatorsTest, SpawnStaysInTheHabitat) {
-  for (const auto distribution : {InitialDistribution::image, InitialDistribution::space})
+  for (const auto distribution : {InitialDistribution::ratios, InitialDistribution::image, InitialDistribution::space})
     for (int i = 0; i < kDraws; ++i) {
       EXPECT_TRUE(habitat().holds(spawn(habitat(), spawning(distribution, 0.0), draws(i))));
     }
@@ -74,34 +74,112 @@ TEST_F(OperatorsTest, SpawnSpreadsDisparityOrDistanceEvenly) {
             0.5 * (field.x_min_m + field.x_max_m));
 }
 
+TEST_F(OperatorsTest, SpawnInRatiosGivesEveryDistanceItsShare) {
+  const FieldOptions field;
+  const double middle_m = std::sqrt(field.x_min_m * field.x_max_m);
+  int nearer = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    auto d = draws(i);
+    nearer += habitat().point(spawn(habitat(), InitialDistribution::ratios, 0.0, d)).x_m < middle_m;
+  }
+  // Five standard errors, and a little for the nearest flies that fall outside the image.
+  EXPECT_NEAR(nearer, kDraws / 2, 80 + kDraws / 50);
+}
+
+TEST_F(OperatorsTest, ScoutFindsTheDisparityWhoseRowMatches) {
+  // Random stripes, seen 20 px apart; over the field's 84 px of disparity half of 32 scouts hold, so that it takes luck
+  // to hit the only good one, which the fly itself has, and a blunder to leave it.
+  std::vector<std::uint8_t> left(640 * 480), right(640 * 480);
+  for (std::size_t v = 0; v < 480; ++v)
+    for (std::size_t u = 0; u + 20 < 640; ++u) {
+      left[v * 640 + u + 20] = static_cast<std::uint8_t>(FlyRandom(3, 0, 0, static_cast<std::uint32_t>(u)).below(256));
+      right[v * 640 + u] = left[v * 640 + u + 20];
+    }
+  const RectifiedPair pair{{left.data(), 640, 480, 640}, {right.data(), 640, 480, 640}};
+  const Habitat in_stripes(Projection(camera()), pair.left, {}, {});
+  int found = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    auto d = draws(i);
+    const StereoPoint good{300, 270, 20};
+    EXPECT_EQ(scout(in_stripes, pair, kMaxScouts, good, d).disparity_px, good.disparity_px);
+    const auto best = scout(in_stripes, pair, kMaxScouts, {300, 270, 30}, d);
+    found += std::abs(best.disparity_px - 20.0) <= 0.5;
+    EXPECT_TRUE(in_stripes.holds(best));
+    EXPECT_EQ(best.u_px, 300);
+    EXPECT_EQ(best.v_px, 270);
+  }
+  // A draw rounds to the right column in one of some fifty; of 32, at least one does in half of the cases or so.
+  EXPECT_GT(found, kDraws / 4);
+}
+
+TEST_F(OperatorsTest, ScoutLeavesAFlyWithoutScoutsOrRow) {
+  const RectifiedPair pair{habitat().left(), habitat().left()};
+  auto d = draws(0);
+  for (const StereoPoint fly : {StereoPoint{2, 270, 20}, StereoPoint{300, 479, 50}, StereoPoint{-10, 270, 20}})
+    EXPECT_EQ(scout(habitat(), pair, 8, fly, d).disparity_px, fly.disparity_px);
+  EXPECT_EQ(scout(habitat(), pair, 0, {400, 270, 20}, d).disparity_px, 20);
+}
+
+TEST_F(OperatorsTest, SpawnInRatiosGivesEveryDistanceItsShare) {
+  const FieldOptions field;
+  const double middle_m = std::sqrt(field.x_min_m * field.x_max_m);
+  int nearer = 0;
+  for (int i = 0; i < kDraws; ++i)
+    nearer += habitat().point(spawn(habitat(), spawning(InitialDistribution::ratios, 0.0), draws(i))).x_m < middle_m;
+  // Five standard errors, and a little for the nearest flies that fall outside the image.
+  EXPECT_NEAR(nearer, kDraws / 2, 80 + kDraws / 50);
+}
+
+TEST_F(OperatorsTest, RatiosAreThoseOfTheDisparitiesThatHold) {
+  const auto everywhere = habitat();
+  for (const auto [u_px, v_px] : {std::pair(320.0, 250.0), std::pair(40.0, 300.0), std::pair(600.0, 420.0)}) {
+    const auto [lowest, highest] = everywhere.ratios_at(u_px, v_px);
+    ASSERT_LT(lowest, highest);
+    for (double ratio = 0.0; ratio <= 1.0; ratio += 0.01) {
+      if (std::abs(ratio - lowest) < 0.005 || std::abs(ratio - highest) < 0.005) continue;
+      EXPECT_EQ(everywhere.holds({u_px, v_px, everywhere.disparity_at_ratio(ratio)}), ratio > lowest && ratio < highest)
+          << u_px << ' ' << ratio;
+    }
+  }
+  const auto sky = everywhere.ratios_at(320, 0);
+  EXPECT_EQ(sky.lowest, sky.highest);
+}
+
+TEST_F(OperatorsTest, ScoutFindsTheDisparityWhoseRowMatches) {
+  // Random stripes, seen 20 px apart.
+  std::vector<std::uint8_t> left(640 * 480), right(640 * 480);
+  for (std::size_t v = 0; v < 480; ++v)
+    for (std::size_t u = 0; u + 20 < 640; ++u) {
+      left[v * 640 + u + 20] = static_cast<std::uint8_t>(FlyRandom(3, 0, 0, static_cast<std::uint32_t>(u)).below(256));
+      right[v * 640 + u] = left[v * 640 + u + 20];
+    }
+  const RectifiedPair pair{{left.data(), 640, 480, 640}, {right.data(), 640, 480, 640}};
+  const Habitat in_stripes(Projection(camera()), pair, {}, {});
+  int found = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    EXPECT_EQ(scout(in_stripes, kMaxScouts, {300, 270, 20}, draws(i)).disparity_px, 20);
+    const auto best = scout(in_stripes, kMaxScouts, {300, 270, 15}, draws(i));
+    found += std::abs(best.disparity_px - 20.0) <= 0.5;
+    EXPECT_TRUE(in_stripes.holds(best));
+    EXPECT_EQ(best.u_px, 300);
+    EXPECT_EQ(best.v_px, 270);
+  }
+  // The right column is one of some dozens; 32 scouts see it in more than half of the cases, a stuck fly never.
+  EXPECT_GT(found, kDraws / 3);
+}
+
+TEST_F(OperatorsTest, ScoutLeavesAFlyWithoutScoutsOrRow) {
+  for (const StereoPoint fly : {StereoPoint{2, 270, 20}, StereoPoint{300, 479, 50}, StereoPoint{-10, 270, 20}})
+    EXPECT_EQ(scout(habitat(), 8, fly, draws(0)).disparity_px, fly.disparity_px);
+  EXPECT_EQ(scout(habitat(), 0, {400, 270, 20}, draws(0)).disparity_px, 20);
+}
+
 TEST_F(OperatorsTest, SpawnPrefersInformativePlaces) {
   int informative = 0;
   for (int i = 0; i < kDraws; ++i) {
     informative += spawn(habitat(), spawning(InitialDistribution::image, 20.0), draws(i)).u_px > 310.0;
   }
   EXPECT_GT(informative, 0.99 * kDraws);
-}
-
-TEST_F(OperatorsTest, SpawnTakesAGlanceAtBothRows) {
-  const auto alike = [&](double alike_rows) {
-    int count = 0;
-    for (int i = 0; i < kDraws; ++i) {
-      const auto fly = spawn(habitat(), spawning(InitialDistribution::image, 20.0, alike_rows), draws(i));
-      count += rows_alike(habitat().pair(), fly, 0.9);
-    }
-    return count;
-  };
-  EXPECT_GT(alike(0.9), 4 * alike(0.0));
-}
-
-TEST_F(OperatorsTest, RowsAreAlikeWhereTheyShowTheSame) {
-  const RectifiedPair pair{image(), image()};
-  EXPECT_TRUE(rows_alike(pair, {500, 100, 16}, 0.99));
-  EXPECT_FALSE(rows_alike(pair, {500, 100, 20}, 0.01)) << "stripes in opposition";
-  EXPECT_FALSE(rows_alike(pair, {100, 100, 16}, 0.01)) << "no contrast";
-  EXPECT_FALSE(rows_alike(pair, {638, 100, 16}, 0.01)) << "the window leaves the left image";
-  EXPECT_FALSE(rows_alike(pair, {500, 100, 498}, 0.01)) << "the window leaves the right image";
-  EXPECT_FALSE(rows_alike(pair, {500, -3, 16}, 0.01)) << "outside the image";
 }
 
 TEST_F(OperatorsTest, RowContrastIsTheSpreadOfGreyLevelsInAPatch) {

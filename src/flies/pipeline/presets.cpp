@@ -14,7 +14,9 @@ DetectorOptions paper_options() {
   o.road.estimate = false;
   o.evolve.flies = 3000;
   o.evolve.generations = 3;
+  o.evolve.initial = InitialDistribution::image;
   o.evolve.informative_gray = 0.0;
+  o.evolve.scouts = 0;
   o.evolve.keep_share = 0.5;
   o.evolve.crossover_share = 0.2;
   o.evolve.immigration_share = 0.1;
@@ -26,6 +28,7 @@ DetectorOptions paper_options() {
   o.propose.step = 2.0 / 12.0;
   o.propose.vertical_shifts = 0;
   o.concentrate.samples = 1;
+  o.concentrate.min_density_share = 0.03;
   o.concentrate.assemble.position = ObstaclePosition::candidate;
   o.concentrate.assemble.merge = false;
   o.concentrate.assemble.min_extent_m = 0.0;

@@ -49,35 +49,26 @@ HWY_INLINE int contrast(const std::uint8_t* window) {
 #endif
 }
 
-HWY_INLINE WindowSums sums(const std::uint8_t* left, const std::uint8_t* right) {
-#if HWY_TARGET == HWY_SCALAR
-  return sum_windows(left, right);
-#else
-  const hn::FixedTag<std::int16_t, 8> d16;
-  const hn::FixedTag<std::int32_t, 4> d32;
-  const hn::Rebind<std::uint8_t, decltype(d16)> d8;
-  // Two overlapping halves, the overlap taken out of the second one.
-  constexpr std::size_t kSecond = kMinWidth_px - 8;
-  const auto fresh = hn::VecFromMask(d16, hn::Gt(hn::Iota(d16, 0), hn::Set(d16, 7 - kSecond)));
-  const auto l0 = hn::PromoteTo(d16, hn::LoadU(d8, left)), r0 = hn::PromoteTo(d16, hn::LoadU(d8, right));
-  const auto l1 = hn::And(fresh, hn::PromoteTo(d16, hn::LoadU(d8, left + kSecond)));
-  const auto r1 = hn::And(fresh, hn::PromoteTo(d16, hn::LoadU(d8, right + kSecond)));
-  const auto one = hn::Set(d16, 1);
-  using V16 = hn::Vec<decltype(d16)>;
-  const auto dot = [&](V16 a0, V16 b0, V16 a1, V16 b1) HWY_ATTR {
-    auto rest = hn::Zero(d32);
-    auto sum = hn::ReorderWidenMulAccumulate(d32, a0, b0, hn::Zero(d32), rest);
-    sum = hn::ReorderWidenMulAccumulate(d32, a1, b1, sum, rest);
-    return hn::GetLane(hn::SumOfLanes(d32, hn::Add(sum, rest)));
-  };
-  return {dot(l0, one, l1, one), dot(r0, one, r1, one), dot(l0, l0, l1, l1), dot(l0, r0, l1, r1), dot(r0, r0, r1, r1)};
-#endif
-}
-
 /// Uniform in [0, 1) from the upper 24 bits of words.
 HWY_INLINE V unit(const std::uint32_t* words) {
   const auto upper = hn::ShiftRight<8>(hn::Load(DU32(), words));
   return hn::Mul(hn::ConvertTo(D(), hn::BitCast(D32(), upper)), hn::Set(D(), 0x1p-24F));
+}
+
+/// Looks up and interpolates.
+HWY_INLINE V at_ratio(const float* table, V ratio) {
+  const D d;
+  const V place = hn::Mul(ratio, hn::Set(d, static_cast<float>(kRatioSteps)));
+  const auto step = hn::ConvertTo(D32(), place);
+  HWY_ALIGN std::int32_t steps[hn::MaxLanes(D())];
+  HWY_ALIGN float below[hn::MaxLanes(D())], above[hn::MaxLanes(D())];
+  hn::Store(step, D32(), steps);
+  for (std::size_t i = 0; i < hn::MaxLanes(D()); ++i) {
+    below[i] = table[steps[i]];
+    above[i] = table[steps[i] + 1];
+  }
+  const V low = hn::Load(d, below), rest = hn::Sub(place, hn::ConvertTo(d, step));
+  return hn::Add(low, hn::Mul(rest, hn::Sub(hn::Load(d, above), low)));
 }
 
 HWY_INLINE V linear(const Linear& f, V u, V v) {
@@ -100,7 +91,9 @@ HWY_INLINE void place(const SpawnSearch& search, Draws& draws, std::size_t k) {
   const V max_v = set(static_cast<float>(search.left.height_px - 1));
   const V u = hn::Mul(unit(draws.words[0] + k), max_u);
   const V height = hn::Add(set(search.min_m), hn::Mul(unit(draws.words[1] + k), set(search.span_m)));
-  const V q = hn::Add(set(search.min_q), hn::Mul(unit(draws.words[2] + k), set(search.span_q)));
+  const V q = search.q_at_ratios == nullptr
+                  ? hn::Add(set(search.min_q), hn::Mul(unit(draws.words[2] + k), set(search.span_q)))
+                  : at_ratio(search.q_at_ratios, unit(draws.words[2] + k));
   const V v_on_axis = hn::Mul(hn::Add(hn::Mul(height, set(search.v_per_height_q)), set(search.v_per_q)), q);
   const V v = hn::Add(v_on_axis, hn::Add(set(search.v_constant), hn::Mul(set(search.v_per_u), u)));
   const V x = linear(search.x, u, v), y = linear(search.y, u, v);
@@ -119,19 +112,10 @@ HWY_INLINE void place(const SpawnSearch& search, Draws& draws, std::size_t k) {
   hn::Store(pixel(v), D32(), draws.row + k);
 }
 
-/// Whether the windows around both projections of draw k lie in the images and look alike.
-HWY_INLINE bool alike(const SpawnSearch& search, const Draws& draws, std::size_t k) {
-  const int left = draws.column[k] - kMinWidth_px / 2;
-  const int right = static_cast<int>(std::floor(draws.u_px[k] - draws.disparity_px[k] + 0.5F)) - kMinWidth_px / 2;
-  const int last = search.left.width_px - kMinWidth_px;
-  if (left < 0 || left > last || right < 0 || right > last) return false;
-  return sums(search.left.row(draws.row[k]) + left, search.right.row(draws.row[k]) + right).alike(search.min_likeness);
-}
-
 void SpawnFlies(const SpawnSearch& search, std::uint32_t first_fly, std::size_t count, float* u_px, float* v_px,
                 float* disparity_px) {
   Draws draws;
-  std::array<std::uint32_t, kBlock> pending, promising;
+  std::array<std::uint32_t, kBlock> pending;
   std::array<bool, kBlock> accepted;
   const int last_window = search.left.width_px - kMinWidth_px;
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
@@ -145,7 +129,6 @@ void SpawnFlies(const SpawnSearch& search, std::uint32_t first_fly, std::size_t 
       }
       for (std::size_t k = 0; k < left; k += hn::MaxLanes(D())) place(search, draws, k);
       // No branches, which would be mispredicted: every fly takes its last draw, some will draw again.
-      std::size_t promising_count = 0;
       for (std::size_t k = 0; k < left; ++k) {
         const auto fly = pending[k];
         u_px[fly] = draws.u_px[k];
@@ -154,11 +137,7 @@ void SpawnFlies(const SpawnSearch& search, std::uint32_t first_fly, std::size_t 
         const int window = std::clamp(draws.column[k] - kMinWidth_px / 2, 0, last_window);
         const bool informative = contrast(search.left.row(std::max(draws.row[k], 0)) + window) >= search.min_contrast;
         accepted[k] = informative & (draws.row[k] >= 0);
-        promising[promising_count] = static_cast<std::uint32_t>(k);
-        promising_count += accepted[k] ? 1 : 0;
       }
-      if (search.min_likeness > 0.0F)
-        for (std::size_t k = 0; k < promising_count; ++k) accepted[promising[k]] = alike(search, draws, promising[k]);
       std::size_t refused = 0;
       for (std::size_t k = 0; k < left; ++k) {
         pending[refused] = pending[k];
@@ -174,18 +153,6 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace flies::kernels {
-
-WindowSums sum_windows(const std::uint8_t* left, const std::uint8_t* right) {
-  WindowSums sums{};
-  for (int i = 0; i < kMinWidth_px; ++i) {
-    sums.l += left[i];
-    sums.r += right[i];
-    sums.ll += left[i] * left[i];
-    sums.lr += left[i] * right[i];
-    sums.rr += right[i] * right[i];
-  }
-  return sums;
-}
 
 HWY_EXPORT(SpawnFlies);
 

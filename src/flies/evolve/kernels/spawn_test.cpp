@@ -17,6 +17,8 @@ constexpr int kWidth_px = 400, kHeight_px = 200;
 /// The right image shows what the left one does, by so much to the left.
 constexpr int kDisparity_px = 20, kStride = kWidth_px + kDisparity_px;
 
+constexpr auto kImage = InitialDistribution::image, kRatios = InitialDistribution::ratios;
+
 /// Rounding of coordinates in single precision.
 constexpr double kRounding_px = 1e-3;
 
@@ -50,10 +52,10 @@ class SpawnFlies : public testing::TestWithParam<std::int64_t> {
             {.height_m = 0.1, .slope = 0.02},
             {.y_min_m = -8, .y_max_m = 6}};
   }
-  static EvolveOptions spawning(double informative_gray, double alike_rows) {
+  static EvolveOptions spawning(double informative_gray, InitialDistribution initial) {
     EvolveOptions options;
     options.informative_gray = informative_gray;
-    options.alike_rows = alike_rows;
+    options.initial = initial;
     return options;
   }
   ImagePopulation spawned(const EvolveOptions& options, std::size_t count) const {
@@ -69,7 +71,8 @@ class SpawnFlies : public testing::TestWithParam<std::int64_t> {
 TEST_P(SpawnFlies, AgreesWithSpawningOneByOne) {
   hwy::SetSupportedTargetsForTest(GetParam());
   constexpr std::size_t kFlies = 1000;
-  for (const auto& options : {spawning(0, 0), spawning(12, 0), spawning(200, 0), spawning(12, 0.5)}) {
+  for (const auto& options :
+       {spawning(0, kImage), spawning(12, kImage), spawning(200, kImage), spawning(12, kRatios)}) {
     const auto flies = spawned(options, kFlies);
     double others = 0;
     for (std::size_t k = 0; k < kFlies; ++k) {
@@ -79,19 +82,19 @@ TEST_P(SpawnFlies, AgreesWithSpawningOneByOne) {
                 std::abs(fly.v_px - expected.v_px) > kRounding_px ||
                 std::abs(fly.disparity_px - expected.disparity_px) > kRounding_px;
     }
-    EXPECT_LE(others, kBorderCases * kFlies) << options.informative_gray << ' ' << options.alike_rows;
+    EXPECT_LE(others, kBorderCases * kFlies) << options.informative_gray << ' ' << enum_name(options.initial);
   }
 }
 
 TEST_P(SpawnFlies, GivesTheSameFliesOnEveryTargetAndInEveryPart) {
-  const auto expected = spawned(spawning(12, 0.5), 300);
+  const auto expected = spawned(spawning(12, kRatios), 300);
   hwy::SetSupportedTargetsForTest(GetParam());
-  const auto flies = spawned(spawning(12, 0.5), 300);
+  const auto flies = spawned(spawning(12, kRatios), 300);
   EXPECT_EQ(flies.u_px, expected.u_px);
   EXPECT_EQ(flies.v_px, expected.v_px);
   EXPECT_EQ(flies.disparity_px, expected.disparity_px);
   for (std::size_t count = 0; count < 20; ++count) {
-    const auto some = spawned(spawning(12, 0.5), count);
+    const auto some = spawned(spawning(12, kRatios), count);
     for (std::size_t i = 2; i < some.size(); ++i) EXPECT_EQ(some.v_px[i], expected.v_px[i]);
   }
 }
