@@ -55,7 +55,9 @@ TEST(SampleHistograms, PutsTheSampleInTheFullestInterval) {
   flies.push_back({10.4, 0.05, 1}, 1.0F);
   flies.push_back({20.2, 0.1, 1}, 1.5F);
   flies.push_back({30.0, 0.1, 1}, 0.0F);
-  const auto [axis, views] = sample_histograms(flies, {}, {.samples = 1});
+  ConcentrateOptions options;
+  options.samples = 1;
+  const auto [axis, views] = sample_histograms(flies, {}, options);
   EXPECT_EQ(axis.bins, static_cast<int>((45.0 - 4.0) / 0.5));
   int sampled = 0;
   for (const auto& view : views) {

@@ -78,7 +78,7 @@ struct EvolveOptions {
   int generations = 3;
   InitialDistribution initial = InitialDistribution::ratios;
   double informative_gray = 12.0;
-  int scouts = 5;
+  int scouts = 2;
   double keep_share = 0.25;
   double crossover_share = 0.1;
   double immigration_share = 0.5;
