@@ -194,7 +194,7 @@ void setup_detect(CLI::App& app) {
   add_method_options(*command, arguments->method);
   command
       ->add_option("--model", arguments->model,
-                   "people model: opencv-48x96 (default), opencv-64x128, a model file or a network")
+                   "people model: a name that `flies info` lists, a model file or a network")
       ->type_name("NAME|FILE")
       ->group("Method");
   add_output_options(*command, arguments->outputs);

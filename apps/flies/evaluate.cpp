@@ -215,7 +215,7 @@ void setup_evaluate(CLI::App& app) {
       ->group("Method");
   command
       ->add_option("--model", arguments->model,
-                   "people model: opencv-48x96 (default), opencv-64x128, a model file or a network")
+                   "people model: a name that `flies info` lists, a model file or a network")
       ->type_name("NAME|FILE")
       ->group("Method");
   command

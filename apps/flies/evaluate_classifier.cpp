@@ -126,7 +126,7 @@ void add_listed_options(CLI::App& command, const std::string& prefix,
 void setup_evaluate_classifier(CLI::App& app) {
   CLI::App* command = app.add_subcommand("evaluate-classifier", "measure people models on windows, side by side");
   const auto arguments = std::make_shared<ClassifierArguments>();
-  command->add_option("MODEL", arguments->models, "people models: opencv-48x96, opencv-64x128 or files")
+  command->add_option("MODEL", arguments->models, "people models: names that `flies info` lists, files or networks")
       ->required()
       ->type_name("NAME|FILE");
   command
@@ -151,7 +151,7 @@ void setup_evaluate_classifier(CLI::App& app) {
       "without people are drawn at random from the pictures without people, the same for every model. All are\n"
       "scaled to the model's size. docs/evaluation.md describes the measures and the JSON.\n"
       "\nExample:\n"
-      "  flies evaluate-classifier opencv-48x96 opencv-64x128 my-model.yaml --data people/test --html models.html\n"
+      "  flies evaluate-classifier opencv-48x96 opencv-64x128 my-model.json --data people/test --html models.html\n"
       "\nExit status: 0 done, 2 a fault in the input, told in one line.");
   command->callback([arguments] { run_evaluate_classifier(*arguments); });
 }

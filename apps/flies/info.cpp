@@ -64,7 +64,8 @@ void run_info() {
   line("cpu threads", fmt::format("{}", std::thread::hardware_concurrency()));
   line("fitness kernel", fitness_kernel());
   line("presets", fmt::format("{}", fmt::join(flies::EnumNames<flies::Preset>::names, " ")));
-  line("models", "opencv-48x96 (default) opencv-64x128");
+  line("models",
+       fmt::format("{}; default {}", fmt::join(flies::people_model_names(), " "), flies::people_model_names()[0]));
   print(text);
 }
 

@@ -33,6 +33,33 @@ std::vector<ImageBox> windows_of(std::span<const Roi> rois) {
   return windows;
 }
 
+/// Where the person is between the boxes that were tried: the mean of those of its obstacle that cover the same part of
+/// the image, weighted by their odds.
+Roi averaged(const Roi& surest, std::span<const Roi> rois, std::span<const double> probabilities,
+             const ClassifyOptions& options) {
+  constexpr double kNearlyOne = 1.0 - 1e-12;  // keeps odds finite
+  Roi mean{};
+  double sum = 0.0;
+  for (std::size_t i = 0; i < rois.size(); ++i) {
+    const Roi& roi = rois[i];
+    if (roi.obstacle != surest.obstacle || overlap(roi.person, surest.person) <= options.max_overlap) continue;
+    const double probability = std::min(probabilities[i], kNearlyOne), odds = probability / (1.0 - probability);
+    sum += odds;
+    mean.person.u_px += odds * roi.person.u_px;
+    mean.person.v_px += odds * roi.person.v_px;
+    mean.person.width_px += odds * roi.person.width_px;
+    mean.person.height_px += odds * roi.person.height_px;
+    mean.x_m += odds * roi.x_m;
+    mean.y_m += odds * roi.y_m;
+    mean.height_m += odds * roi.height_m;
+  }
+  if (!(sum > 0.0)) return surest;
+  for (double* value : {&mean.person.u_px, &mean.person.v_px, &mean.person.width_px, &mean.person.height_px, &mean.x_m,
+                        &mean.y_m, &mean.height_m})
+    *value /= sum;
+  return mean;
+}
+
 }  // namespace
 
 double report_threshold(const PeopleClassifier& classifier, const ClassifyOptions& options) {
@@ -61,14 +88,15 @@ ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, cons
   ClassifyResult result;
   result.screened = classifier.screen(left, windows_of(rois));
   const double threshold = report_threshold(classifier, options);
-  const double first_threshold = std::min(threshold, classifier.screen_threshold());
+  const double first_threshold =
+      classifier.looks_twice() ? std::max(classifier.screen_threshold(), options.min_first_probability) : threshold;
 
   std::vector<Roi> candidates;
   for (const std::size_t i : suppress_in_metres(rois, result.screened, first_threshold, options))
     candidates.push_back(rois[i]);
   const auto probabilities = classifier.classify(left, windows_of(candidates));
   for (const std::size_t i : suppress_in_metres(candidates, probabilities, threshold, options)) {
-    const Roi& roi = candidates[i];
+    const Roi roi = averaged(candidates[i], rois, result.screened, options);
     result.pedestrians.push_back(
         {roi.x_m, roi.y_m, std::hypot(roi.x_m, roi.y_m), roi.height_m, probabilities[i], roi.person});
   }

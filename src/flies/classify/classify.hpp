@@ -13,15 +13,18 @@
 namespace flies {
 
 struct ClassifyOptions {
-  double threshold_offset = 0.0;
+  double threshold_offset = 1.5;
   double lateral_radius_m = 0.4;
   double depth_radius = 0.15;
   double max_overlap = 0.6;
+  double min_first_probability = 0.02;
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("threshold_offset", self.threshold_offset, Range{-100.0, 100.0},
-          "added to the model's threshold, in log-odds: higher reports fewer people and fewer false alarms");
+          "added to the model's threshold, in log-odds: higher reports fewer people and fewer false alarms; boxes of "
+          "flies "
+          "stand on textured things, which look more like people than the windows that thresholds come from");
     field("lateral_radius_m", self.lateral_radius_m, Range{0.0, 5.0},
           "of two verdicts closer than this across the line of sight, and close in depth, the surer is kept");
     field("depth_radius", self.depth_radius, Range{0.0, 1.0},
@@ -29,6 +32,8 @@ struct ClassifyOptions {
     field("max_overlap", self.max_overlap, Range{0.0, 1.0},
           "of two verdicts, at whatever range, of which one covers more than this share of the other in the image, the "
           "surer is kept");
+    field("min_first_probability", self.min_first_probability, Range{0.0, 1.0},
+          "boxes less probable than this at first look are not shown to a model's second stage");
   }
 };
 

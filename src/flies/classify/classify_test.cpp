@@ -38,9 +38,18 @@ class FixedClassifier final : public PeopleClassifier {
   std::vector<double> probabilities_;
 };
 
+ClassifyOptions without_offset() {
+  ClassifyOptions options;
+  options.threshold_offset = 0.0;
+  return options;
+}
+
 std::vector<Pedestrian> find(std::vector<Roi> rois, const std::vector<double>& probabilities,
-                             const ClassifyOptions& options = {}) {
-  for (std::size_t i = 0; i < rois.size(); ++i) rois[i].window.u_px = static_cast<double>(i);
+                             const ClassifyOptions& options = without_offset()) {
+  for (std::size_t i = 0; i < rois.size(); ++i) {
+    rois[i].window.u_px = static_cast<double>(i);
+    rois[i].obstacle = i;
+  }
   return find_people({}, rois, FixedClassifier(probabilities), options).pedestrians;
 }
 
@@ -103,6 +112,7 @@ class SecondThoughts final : public PeopleClassifier {
  public:
   const std::string& name() const override { return name_; }
   double threshold() const override { return 0.5; }
+  bool looks_twice() const override { return true; }
   double screen_threshold() const override { return 0.1; }
   std::vector<double> screen(const GrayView&, std::span<const ImageBox> windows) const override {
     return std::vector<double>(windows.size(), 0.2);
@@ -119,13 +129,27 @@ class SecondThoughts final : public PeopleClassifier {
 
 TEST(FindPeople, LetsTheLastWordDecide) {
   std::vector<Roi> rois{person(10, 0), person(10, 4)};
+  rois[1].obstacle = 1;
   rois[0].window.u_px = -1.0;
   rois[1].window.u_px = 1.0;
-  const ClassifyResult result = find_people({}, rois, SecondThoughts(), {});
+  const ClassifyResult result = find_people({}, rois, SecondThoughts(), without_offset());
   EXPECT_EQ(result.screened, (std::vector<double>{0.2, 0.2}));
   ASSERT_EQ(result.pedestrians.size(), 1U);
   EXPECT_DOUBLE_EQ(result.pedestrians[0].y_m, 4.0);
   EXPECT_DOUBLE_EQ(result.pedestrians[0].probability, 0.9);
+}
+
+TEST(FindPeople, PlacesThePersonBetweenTheBoxesOfItsObstacleByTheirOdds) {
+  const std::vector<Roi> rois = [] {
+    std::vector<Roi> two{person(10, 0, 1.6), person(10, 0, 1.9)};
+    for (std::size_t i = 0; i < two.size(); ++i) two[i].window.u_px = static_cast<double>(i);
+    return two;
+  }();
+  const auto found = find_people({}, rois, FixedClassifier({0.9, 0.75}), without_offset()).pedestrians;  // odds 9 and 3
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].height_m, 0.75 * 1.6 + 0.25 * 1.9, 1e-9);
+  EXPECT_NEAR(found[0].box.height_px, 0.75 * rois[0].person.height_px + 0.25 * rois[1].person.height_px, 1e-9);
+  EXPECT_DOUBLE_EQ(found[0].probability, 0.9);
 }
 
 TEST(ReportThreshold, StaysAProbability) {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "flies/classify/dot.hpp"
+#include "flies/classify/vector_clones.hpp"
 
 namespace flies {
 namespace {
@@ -41,7 +42,7 @@ inline float half_turns(float x, float y) {
   return x < 0.0F ? 1.0F - acute : acute;
 }
 
-void vote(const FloatImage& pixels, int v, int bins, int bin_stride, RowVotes& votes) {
+FLIES_VECTOR_CLONES void vote(const FloatImage& pixels, int v, int bins, int bin_stride, RowVotes& votes) {
   const auto width = static_cast<int>(votes.lower.size());
   const float* const above = pixels.row(v) + 1;
   const float* const here = pixels.row(v + 1);

@@ -31,6 +31,8 @@ class HogClassifier final : public PeopleClassifier {
     });
   }
 
+  bool looks_twice() const override { return model_.kernel.has_value(); }
+
   double screen_threshold() const override {
     return model_.kernel ? probability(model_.linear.calibration, model_.linear.reject_below) : threshold();
   }
@@ -60,7 +62,7 @@ std::shared_ptr<const PeopleClassifier> hog_classifier(PeopleModel model) {
   return std::make_shared<HogClassifier>(std::move(model));
 }
 
-std::shared_ptr<const PeopleClassifier> default_people_classifier() { return hog_classifier(opencv_48x96()); }
+std::shared_ptr<const PeopleClassifier> default_people_classifier() { return hog_classifier(shipped_people_model()); }
 
 std::shared_ptr<const PeopleClassifier> people_classifier(std::string_view name_or_path) {
   if (const std::string path(name_or_path); is_network_file(path)) return network_classifier(path);

@@ -37,6 +37,9 @@ class PeopleClassifier {
     return classify(image, windows);
   }
   virtual double screen_threshold() const { return threshold(); }
+
+  /// Whether `classify` sees more than `screen` does.
+  virtual bool looks_twice() const { return false; }
 };
 
 /// @throws InputError when the model is inconsistent
@@ -45,7 +48,7 @@ std::shared_ptr<const PeopleClassifier> hog_classifier(PeopleModel model);
 /// The classifier that is used when none is named.
 std::shared_ptr<const PeopleClassifier> default_people_classifier();
 
-/// Finds a classifier: by name (`opencv-48x96`, `opencv-64x128`) by the path of a model
+/// Finds a classifier: by name (see `people_model_names`) by the path of a model
 /// file, or of a network that OpenCV reads (see `network_classifier`).
 /// @throws InputError naming file and field
 std::shared_ptr<const PeopleClassifier> people_classifier(std::string_view name_or_path);

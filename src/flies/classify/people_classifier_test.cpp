@@ -58,7 +58,7 @@ const std::vector<ImageBox> kBoxes{window(0, 0, 48, 96), window(100, 50, 48, 96)
 
 TEST(HogClassifier, IsEmptyWithoutWindows) {
   const cv::Mat image = noise_image(64, 64);
-  EXPECT_TRUE(default_people_classifier()->classify(view_of(image), {}).empty());
+  EXPECT_TRUE(hog_classifier(opencv_48x96())->classify(view_of(image), {}).empty());
 }
 
 TEST(HogClassifier, CalibratesTheLinearScore) {
@@ -104,7 +104,7 @@ constexpr double kSharingTolerance = 1e-6;
 
 TEST(HogClassifier, GivesWindowsThatShareBlocksTheProbabilityTheyHaveAlone) {
   const cv::Mat image = noise_image(300, 260);
-  const auto classifier = default_people_classifier();
+  const auto classifier = hog_classifier(opencv_48x96());
   std::vector<ImageBox> raster;
   for (const double scale : {0.7, 1.6})
     for (const int column : {0, -2, 1, 3})
@@ -121,17 +121,24 @@ TEST(HogClassifier, GivesWindowsWithNothingInThemNoChance) {
   const cv::Mat image = noise_image(120, 150);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<ImageBox> boxes{window(0, 0, 0, 0), window(nan, 0, 48, 96), window(120, 0, 48, 96)};
-  EXPECT_EQ(default_people_classifier()->classify(view_of(image), boxes), (std::vector<double>(3, 0.0)));
+  EXPECT_EQ(hog_classifier(opencv_48x96())->classify(view_of(image), boxes), (std::vector<double>(3, 0.0)));
 }
 
 TEST(HogClassifier, DoesNotDependOnTheNumberOfThreads) {
   const cv::Mat image = noise_image(300, 200);
   std::vector<ImageBox> boxes;
   for (int i = 0; i < 60; ++i) boxes.push_back(window(4.3 * i, i, 30 + i, 60 + 2 * i));
-  const auto classifier = default_people_classifier();
+  const auto classifier = hog_classifier(opencv_48x96());
   const auto parallel = classifier->classify(view_of(image), boxes);
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(classifier->classify(view_of(image), boxes), parallel);
+}
+
+TEST(DefaultPeopleClassifier, IsTheShippedModelWithBothStages) {
+  const auto classifier = default_people_classifier();
+  EXPECT_TRUE(classifier->looks_twice());
+  EXPECT_EQ(classifier->name(), shipped_people_model().name);
+  EXPECT_LT(classifier->screen_threshold(), classifier->threshold());
 }
 
 TEST(HogClassifier, RefusesAModelWithMissingWeights) {

@@ -3,33 +3,32 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <opencv2/objdetect.hpp>
 
-#include "flies/classify/dot.hpp"
 #include "flies/classify/model_file.hpp"
+#include "flies/classify/shipped_model.hpp"
 #include "flies/core/error.hpp"
 
 namespace flies {
 namespace {
 
+constexpr std::string_view kShipped = "flies-48x96";
+constexpr std::string_view kShippedLinear = "flies-48x96-linear";
 constexpr std::string_view kOpencv48 = "opencv-48x96";
 constexpr std::string_view kOpencv64 = "opencv-64x128";
+constexpr std::array kNames = {kShipped, kShippedLinear, kOpencv48, kOpencv64};
 
-/// Chosen on real street pairs (docs/people.md): up to here false alarms fall faster than people are lost.
-constexpr double kThreshold48 = 1.0;
-constexpr double kThreshold64 = 0.0;
-
-/// OpenCV's weights end with the bias. They come without a calibration: a window at the threshold is called a toss-up.
-PeopleModel from_opencv(std::string_view name, double threshold, std::vector<float> weights_and_bias) {
+/// OpenCV's weights end with the bias. They come without a calibration: a window at OpenCV's threshold, a score of 0,
+/// is called a toss-up.
+PeopleModel from_opencv(std::string_view name, std::vector<float> weights_and_bias) {
   PeopleModel model;
   model.name = name;
   model.linear.bias = weights_and_bias.back();
   weights_and_bias.pop_back();
   model.linear.weights = std::move(weights_and_bias);
-  model.linear.calibration.offset = -threshold;
   model.about = {{"training data", "see OpenCV, modules/objdetect/src/hog.cpp"}, {"licence", "that of OpenCV"}};
   return model;
 }
@@ -100,27 +99,6 @@ void check_people_model(const PeopleModel& model, const std::string& source) {
     check.fail("threshold", fmt::format("found {}, expected 0 to 1", model.threshold));
 }
 
-double linear_score(const LinearStage& stage, std::span<const float> features) {
-  assert(features.size() == stage.weights.size());
-  return stage.bias + dot(stage.weights.data(), features.data(), features.size());
-}
-
-double kernel_score(const KernelStage& stage, std::span<const float> features) {
-  assert(features.size() == stage.mean.size());
-  std::vector<float> centred(features.begin(), features.end());
-  for (std::size_t i = 0; i < centred.size(); ++i) centred[i] -= stage.mean[i];
-  std::vector<float> point;
-  for (std::size_t i = 0; i < stage.projection.rows; ++i)
-    point.push_back(dot(stage.projection.row(i).data(), centred.data(), centred.size()));
-  if (stage.projection.rows == 0) point = std::move(centred);
-
-  double score = stage.bias;
-  for (std::size_t i = 0; i < stage.support_vectors.rows; ++i)
-    score += stage.coefficients[i] *
-             std::exp(-stage.gamma * squared_distance(point.data(), stage.support_vectors.row(i).data(), point.size()));
-  return score;
-}
-
 double probability(const ScoreCalibration& calibration, double score) {
   return 1.0 / (1.0 + std::exp(-(calibration.slope * score + calibration.offset)));
 }
@@ -135,25 +113,36 @@ double person_probability(const PeopleModel& model, std::span<const float> featu
   return kRejectedProbability + (1.0 - kRejectedProbability) * second;
 }
 
-PeopleModel opencv_48x96() {
-  return from_opencv(kOpencv48, kThreshold48, cv::HOGDescriptor::getDaimlerPeopleDetector());
-}
+PeopleModel opencv_48x96() { return from_opencv(kOpencv48, cv::HOGDescriptor::getDaimlerPeopleDetector()); }
 
 PeopleModel opencv_64x128() {
-  PeopleModel model = from_opencv(kOpencv64, kThreshold64, cv::HOGDescriptor::getDefaultPeopleDetector());
+  PeopleModel model = from_opencv(kOpencv64, cv::HOGDescriptor::getDefaultPeopleDetector());
   model.hog.window_width_px = 64;
   model.hog.window_height_px = 128;
   return model;
 }
 
+PeopleModel shipped_people_model() {
+  static const PeopleModel model = parse_people_model(std::string(shipped_model_text()), std::string(kShipped));
+  return model;
+}
+
+std::span<const std::string_view> people_model_names() { return kNames; }
+
 PeopleModel people_model(std::string_view name_or_path) {
+  if (name_or_path == kShipped) return shipped_people_model();
+  if (name_or_path == kShippedLinear) {
+    PeopleModel model = shipped_people_model();
+    model.kernel.reset();
+    return model;
+  }
   if (name_or_path == kOpencv48) return opencv_48x96();
   if (name_or_path == kOpencv64) return opencv_64x128();
   const std::string path(name_or_path);
   std::error_code error;
   if (!std::filesystem::exists(path, error))
     throw InputError(path, "",
-                     fmt::format("no such people model; expected {}, {} or a model file", kOpencv48, kOpencv64));
+                     fmt::format("no such people model; expected {} or a model file", fmt::join(kNames, ", ")));
   return read_people_model(path);
 }
 

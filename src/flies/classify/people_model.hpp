@@ -88,7 +88,14 @@ PeopleModel opencv_48x96();
 /// OpenCV's other people detector, 64 x 128 px, trained on INRIA data; needs taller people.
 PeopleModel opencv_64x128();
 
-/// Finds a model by its name, `opencv-48x96` or `opencv-64x128`, or reads the file at this path.
+/// The model that comes with the library: models/people_48x96.json.
+PeopleModel shipped_people_model();
+
+/// Names of the models that need no file, the default first: `flies-48x96` (the shipped one), `flies-48x96-linear` (its
+/// first stage alone), `opencv-48x96`, `opencv-64x128`.
+std::span<const std::string_view> people_model_names();
+
+/// Finds a model by its name, or reads the file at this path.
 /// @throws InputError as `read_people_model`; for a name that is no file the message lists the names
 PeopleModel people_model(std::string_view name_or_path);
 

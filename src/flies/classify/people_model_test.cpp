@@ -16,6 +16,10 @@ using testing::HasSubstr;
 TEST(PeopleModel, NamedModelsAreConsistent) {
   EXPECT_NO_THROW(check_people_model(opencv_48x96(), "48x96"));
   EXPECT_NO_THROW(check_people_model(opencv_64x128(), "64x128"));
+  for (const std::string_view name : people_model_names())
+    EXPECT_NO_THROW(check_people_model(people_model(name), std::string(name)));
+  EXPECT_TRUE(people_model("flies-48x96").kernel.has_value());
+  EXPECT_FALSE(people_model("flies-48x96-linear").kernel.has_value());
   EXPECT_EQ(people_model("opencv-48x96").linear.weights.size(), 1980U);
   EXPECT_EQ(people_model("opencv-64x128").linear.weights.size(), 3780U);
 }

@@ -24,14 +24,14 @@ struct Roi {
 };
 
 struct ProposeOptions {
-  double min_height_m = 1.0;
-  double max_height_m = 2.1;
-  int heights = 5;
+  double min_height_m = 1.3;
+  double max_height_m = 1.9;
+  int heights = 3;
   double lateral_margin_m = 0.2;
   double max_lateral_m = 1.0;
   int vertical_shifts = 1;
   double step = 1.0 / 12.0;
-  double person_share = 0.8;
+  double person_share = 0.75;
   double min_person_px = 50.0;
   double min_obstacle_height_m = 0.6;
   double merge_step = 0.05;

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string_view>
+
+namespace flies {
+
+/// The text of models/people_48x96.json, which is part of the library.
+std::string_view shipped_model_text();
+
+}  // namespace flies
