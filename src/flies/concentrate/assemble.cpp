@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "flies/concentrate/concentrate.hpp"
@@ -10,30 +11,34 @@ namespace flies {
 namespace {
 
 /// Gives every fly to the nearest kept candidate within reach. @returns the candidates that got any
-std::vector<Part> divide_flies(const std::vector<Candidate>& candidates, const Population& flies,
-                               const std::vector<DroppedFly>& dropped, const RoadPlane& road,
-                               const ConcentrateOptions& options) {
-  const double reach_px = options.assemble.radius_bandwidths * options.bandwidth_px;
+std::vector<Part> divide_flies(const std::vector<Candidate>& candidates, const std::vector<DroppedFly>& dropped,
+                               std::span<const Echo> echoes, const ConcentrateOptions& options) {
   std::vector<Candidate> kept;
   for (const auto& candidate : candidates)
     if (candidate.kept) kept.push_back(candidate);
+  // Sorted by column, those within reach of a fly follow each other.
+  std::stable_sort(kept.begin(), kept.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.pixel.u_px < b.pixel.u_px; });
+  const double reach_px = options.assemble.radius_bandwidths * options.bandwidth_px;
   std::vector<std::vector<std::size_t>> members(kept.size());
-  for (std::size_t i = 0; i < flies.size(); ++i) {
-    if (!(dropped[i].fitness > 0.0)) continue;
-    double nearest_px = reach_px;
+  for (std::size_t i = 0; i < dropped.size(); ++i) {
+    const auto& [pixel, fitness] = dropped[i];
+    if (!(fitness > 0.0)) continue;
+    double nearest_px2 = reach_px * reach_px;
     std::optional<std::size_t> owner;
-    for (std::size_t k = 0; k < kept.size(); ++k) {
-      const double distance_px =
-          std::hypot(dropped[i].pixel.u_px - kept[k].pixel.u_px, dropped[i].pixel.v_px - kept[k].pixel.v_px);
-      if (distance_px > nearest_px) continue;
-      nearest_px = distance_px;
-      owner = k;
+    auto candidate = std::lower_bound(kept.begin(), kept.end(), pixel.u_px - reach_px,
+                                      [](const Candidate& c, double u_px) { return c.pixel.u_px < u_px; });
+    for (; candidate != kept.end() && candidate->pixel.u_px <= pixel.u_px + reach_px; ++candidate) {
+      const double du = pixel.u_px - candidate->pixel.u_px, dv = pixel.v_px - candidate->pixel.v_px;
+      if (du * du + dv * dv > nearest_px2) continue;
+      nearest_px2 = du * du + dv * dv;
+      owner = static_cast<std::size_t>(candidate - kept.begin());
     }
     if (owner) members[*owner].push_back(i);
   }
   std::vector<Part> parts;
   for (std::size_t k = 0; k < kept.size(); ++k)
-    if (!members[k].empty()) parts.push_back(make_part(std::move(members[k]), kept[k], flies, road, options.assemble));
+    if (!members[k].empty()) parts.push_back(make_part(std::move(members[k]), kept[k], echoes, options.assemble));
   return parts;
 }
 
@@ -88,9 +93,10 @@ Obstacle make_obstacle(const Part& part, std::size_t population, const Projectio
 Assembly assemble_obstacles(const std::vector<Candidate>& candidates, const Population& flies,
                             const std::vector<DroppedFly>& dropped, const Projection& projection, const RoadPlane& road,
                             const ConcentrateOptions& options) {
-  auto parts = divide_flies(candidates, flies, dropped, road, options);
+  const auto echoes = measure_echoes(flies, road);
+  auto parts = divide_flies(candidates, dropped, echoes, options);
   std::erase_if(parts, [&](const Part& part) { return !rises_from_road(part, projection, options.assemble); });
-  if (options.assemble.merge) parts = join_parts(std::move(parts), flies, road, options.assemble);
+  if (options.assemble.merge) parts = join_parts(std::move(parts), echoes, options.assemble);
   std::erase_if(parts, [&](const Part& part) { return !is_supported(part, flies.size(), options.assemble); });
 
   Assembly result{{}, std::vector<int>(flies.size(), -1)};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -18,11 +19,6 @@ constexpr double kFarQuantile = 0.85;
 /// Parts whose gaps are below this share of those allowed are taken for one surface.
 constexpr double kSurfaceGap = 0.5;
 
-struct WeightedValue {
-  double value = 0.0;
-  double weight = 0.0;
-};
-
 /// The smallest value up to which `quantile` of the total weight lies. `samples` must be sorted by value.
 double weighted_quantile(const std::vector<WeightedValue>& samples, double quantile) {
   double total = 0.0;
@@ -33,37 +29,29 @@ double weighted_quantile(const std::vector<WeightedValue>& samples, double quant
   return samples.back().value;
 }
 
-void sort_by_value(std::vector<WeightedValue>& samples) {
-  std::sort(samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
+bool is_less(const WeightedValue& a, const WeightedValue& b) { return a.value < b.value; }
+
+std::vector<WeightedValue> merge(const std::vector<WeightedValue>& a, const std::vector<WeightedValue>& b) {
+  std::vector<WeightedValue> all(a.size() + b.size());
+  std::merge(a.begin(), a.end(), b.begin(), b.end(), all.begin(), is_less);
+  return all;
 }
 
-Extent measure(const std::vector<std::size_t>& members, const Population& flies, const RoadPlane& road,
-               double near_quantile) {
-  std::vector<WeightedValue> range_m, azimuth_rad, height_m;
-  for (const auto i : members) {
-    const double x = flies.x_m[i], y = flies.y_m[i], weight = flies.fitness[i];
-    // The fittest flies sit closest to the surface. Weighed by fitness alone, the near face of a distant object would
-    // be the noise of its poorer flies.
-    range_m.push_back({std::hypot(x, y), weight * weight});
-    azimuth_rad.push_back({std::atan2(y, x), weight});
-    height_m.push_back({flies.z_m[i] - road.z_m(x, y), weight});
-  }
-  sort_by_value(range_m);
-  sort_by_value(azimuth_rad);
-  sort_by_value(height_m);
-  return {weighted_quantile(range_m, near_quantile), weighted_quantile(range_m, std::max(near_quantile, kFarQuantile)),
-          weighted_quantile(azimuth_rad, kLowEdge),  weighted_quantile(azimuth_rad, kHighEdge),
-          weighted_quantile(height_m, kLowEdge),     weighted_quantile(height_m, kHighEdge)};
+Extent measure(const Part& part, double near_quantile) {
+  return {weighted_quantile(part.ranges_m, near_quantile),
+          weighted_quantile(part.ranges_m, std::max(near_quantile, kFarQuantile)),
+          weighted_quantile(part.azimuths_rad, kLowEdge),
+          weighted_quantile(part.azimuths_rad, kHighEdge),
+          weighted_quantile(part.heights_m, kLowEdge),
+          weighted_quantile(part.heights_m, kHighEdge)};
 }
 
 /// All flies as seen from the camera, sorted by azimuth: what lies behind the gap between two parts.
 class Backdrop {
  public:
-  explicit Backdrop(const Population& flies) {
-    for (std::size_t i = 0; i < flies.size(); ++i)
-      if (flies.fitness[i] > 0.0F)
-        echoes_.push_back(
-            {std::atan2(flies.y_m[i], flies.x_m[i]), std::hypot(flies.x_m[i], flies.y_m[i]), flies.fitness[i]});
+  explicit Backdrop(std::span<const Echo> echoes) {
+    for (const auto& echo : echoes)
+      if (echo.fitness > 0.0) echoes_.push_back(echo);
     std::sort(echoes_.begin(), echoes_.end(),
               [](const Echo& a, const Echo& b) { return a.azimuth_rad < b.azimuth_rad; });
   }
@@ -79,9 +67,6 @@ class Backdrop {
   }
 
  private:
-  struct Echo {
-    double azimuth_rad, range_m, fitness;
-  };
   std::vector<Echo> echoes_;
 };
 
@@ -111,42 +96,76 @@ std::optional<double> separation(const Part& a, const Part& b, const Backdrop& b
   return std::hypot(depth, lateral);
 }
 
-Part join(const Part& a, const Part& b, const Population& flies, const RoadPlane& road,
-          const AssembleOptions& options) {
-  auto members = a.members;
-  members.insert(members.end(), b.members.begin(), b.members.end());
-  const auto& densest = a.candidate.density >= b.candidate.density ? a.candidate : b.candidate;
-  return make_part(std::move(members), densest, flies, road, options);
+Part join(const Part& a, const Part& b, const AssembleOptions& options) {
+  Part whole{a.members,
+             a.candidate.density >= b.candidate.density ? a.candidate : b.candidate,
+             {},
+             a.fitness + b.fitness,
+             merge(a.ranges_m, b.ranges_m),
+             merge(a.azimuths_rad, b.azimuths_rad),
+             merge(a.heights_m, b.heights_m)};
+  whole.members.insert(whole.members.end(), b.members.begin(), b.members.end());
+  whole.extent = measure(whole, options.near_quantile);
+  return whole;
 }
 
 }  // namespace
 
-Part make_part(std::vector<std::size_t> members, const Candidate& candidate, const Population& flies,
-               const RoadPlane& road, const AssembleOptions& options) {
+std::vector<Echo> measure_echoes(const Population& flies, const RoadPlane& road) {
+  std::vector<Echo> echoes(flies.size());
+  for (std::size_t i = 0; i < flies.size(); ++i) {
+    if (!(flies.fitness[i] > 0.0F)) continue;
+    const double x = flies.x_m[i], y = flies.y_m[i];
+    echoes[i] = {std::sqrt(x * x + y * y), std::atan2(y, x), flies.z_m[i] - road.z_m(x, y), flies.fitness[i]};
+  }
+  return echoes;
+}
+
+Part make_part(std::vector<std::size_t> members, const Candidate& candidate, std::span<const Echo> echoes,
+               const AssembleOptions& options) {
   assert(!members.empty());
-  Part part{std::move(members), candidate, {}, 0.0};
-  part.extent = measure(part.members, flies, road, options.near_quantile);
-  for (const auto i : part.members) part.fitness += flies.fitness[i];
+  Part part{std::move(members), candidate, {}, 0.0, {}, {}, {}};
+  for (const auto i : part.members) {
+    const auto& echo = echoes[i];
+    part.fitness += echo.fitness;
+    // The fittest flies sit closest to the surface. Weighed by fitness alone, the near face of a distant object would
+    // be the noise of its poorer flies.
+    part.ranges_m.push_back({echo.range_m, echo.fitness * echo.fitness});
+    part.azimuths_rad.push_back({echo.azimuth_rad, echo.fitness});
+    part.heights_m.push_back({echo.height_m, echo.fitness});
+  }
+  for (auto* values : {&part.ranges_m, &part.azimuths_rad, &part.heights_m})
+    std::sort(values->begin(), values->end(), is_less);
+  part.extent = measure(part, options.near_quantile);
   return part;
 }
 
-std::vector<Part> join_parts(std::vector<Part> parts, const Population& flies, const RoadPlane& road,
-                             const AssembleOptions& options) {
-  const Backdrop backdrop(flies);
+std::vector<Part> join_parts(std::vector<Part> parts, std::span<const Echo> echoes, const AssembleOptions& options) {
+  const Backdrop backdrop(echoes);
+  // Row a holds the separations of part a from the parts after it; a join changes one row and one column.
+  constexpr double kApart = std::numeric_limits<double>::infinity();
+  const std::size_t stride = parts.size();
+  std::vector<double> separations(stride * stride, kApart);
+  const auto update = [&](std::size_t a, std::size_t b) {
+    separations[std::min(a, b) * stride + std::max(a, b)] =
+        separation(parts[std::min(a, b)], parts[std::max(a, b)], backdrop, options).value_or(kApart);
+  };
+  for (std::size_t a = 0; a < stride; ++a)
+    for (std::size_t b = a + 1; b < stride; ++b) update(a, b);
   while (true) {
-    std::size_t best_a = 0, best_b = 0;
-    std::optional<double> best;
-    for (std::size_t a = 0; a < parts.size(); ++a)
-      for (std::size_t b = a + 1; b < parts.size(); ++b)
-        if (const auto s = separation(parts[a], parts[b], backdrop, options); s && (!best || *s < *best)) {
-          best = s;
-          best_a = a;
-          best_b = b;
-        }
-    if (!best) return parts;
-    parts[best_a] = join(parts[best_a], parts[best_b], flies, road, options);
-    parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(best_b));
+    const auto least = std::min_element(separations.begin(), separations.end());
+    if (least == separations.end() || *least == kApart) break;
+    const auto index = static_cast<std::size_t>(least - separations.begin());
+    const std::size_t a = index / stride, b = index % stride;
+    parts[a] = join(parts[a], parts[b], options);
+    parts[b].members.clear();  // marks it as joined
+    for (std::size_t k = 0; k < stride; ++k) {
+      if (k != b) separations[std::min(k, b) * stride + std::max(k, b)] = kApart;
+      if (k != a && !parts[k].members.empty()) update(a, k);
+    }
   }
+  std::erase_if(parts, [](const Part& part) { return part.members.empty(); });
+  return parts;
 }
 
 }  // namespace flies
