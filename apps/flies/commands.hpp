@@ -10,5 +10,6 @@ void setup_synth(CLI::App& app);
 void setup_evaluate(CLI::App& app);
 void setup_evaluate_classifier(CLI::App& app);
 void setup_reproduce(CLI::App& app);
+void setup_bench(CLI::App& app);
 void setup_config(CLI::App& app);
 void setup_info(CLI::App& app);

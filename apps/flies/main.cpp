@@ -69,6 +69,7 @@ void setup(CLI::App& app) {
   setup_evaluate(app);
   setup_evaluate_classifier(app);
   setup_reproduce(app);
+  setup_bench(app);
   setup_config(app);
   setup_info(app);
 }
