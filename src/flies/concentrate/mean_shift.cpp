@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 
 #include "flies/concentrate/concentrate.hpp"
@@ -14,27 +12,10 @@ namespace {
 /// a tenth of a pixel and would make every sample point visit every fly.
 constexpr double kKernelReach = 3.0;
 
-/// exp(-x) for x from 0 to the kernel's end, 0 beyond; looked up and interpolated, within 1e-6.
-class FallingExponential {
- public:
-  FallingExponential() {
-    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = std::exp(-static_cast<double>(i) / kPerUnit);
-  }
-  double operator()(double x) const {
-    if (!(x < kEnd)) return 0.0;
-    const double place = x * kPerUnit;
-    const auto i = static_cast<std::size_t>(place);
-    return values_[i] + (place - static_cast<double>(i)) * (values_[i + 1] - values_[i]);
-  }
-
- private:
-  static constexpr double kEnd = 0.5 * kKernelReach * kKernelReach, kPerUnit = 512.0;
-  std::array<double, static_cast<std::size_t>(kEnd* kPerUnit) + 2> values_;
-};
-
-const FallingExponential& falling_exponential() {
-  static const FallingExponential table;
-  return table;
+/// The kernel at a squared distance.
+double kernel(double squared_px, double bandwidth_px) {
+  const double bandwidths2 = squared_px / (bandwidth_px * bandwidth_px);
+  return bandwidths2 > kKernelReach * kKernelReach ? 0.0 : std::exp(-0.5 * bandwidths2);
 }
 
 /// A shift shorter than this ends the iterations early.
@@ -57,8 +38,6 @@ std::vector<ShiftedPoint> shift_means(const std::vector<PixelPoint>& starts, con
                                       const ConcentrateOptions& options) {
   const double h = options.bandwidth_px;
   const PixelGrid grid(flies, kKernelReach * h);
-  const auto& exp_of_minus = falling_exponential();
-  const double per_square = 1.0 / (2.0 * h * h);
   std::vector<ShiftedPoint> shifted;
   for (const auto& start : starts) {
     PixelPoint p = start;
@@ -66,7 +45,7 @@ std::vector<ShiftedPoint> shift_means(const std::vector<PixelPoint>& starts, con
       double total = 0.0, u = 0.0, v = 0.0;
       grid.visit(p, [&](const DroppedFly& fly) {
         const double du = fly.pixel.u_px - p.u_px, dv = fly.pixel.v_px - p.v_px;
-        const double w = fly.fitness * exp_of_minus((du * du + dv * dv) * per_square);
+        const double w = fly.fitness * kernel(du * du + dv * dv, h);
         total += w;
         u += w * fly.pixel.u_px;
         v += w * fly.pixel.v_px;
@@ -85,14 +64,12 @@ std::vector<ShiftedPoint> shift_means(const std::vector<PixelPoint>& starts, con
 std::vector<double> fitness_density(const std::vector<PixelPoint>& points, const std::vector<DroppedFly>& flies,
                                     double bandwidth_px) {
   const PixelGrid grid(flies, kKernelReach * bandwidth_px);
-  const auto& exp_of_minus = falling_exponential();
-  const double per_square = 1.0 / (2.0 * bandwidth_px * bandwidth_px);
   std::vector<double> density;
   for (const auto& p : points) {
     double sum = 0.0;
     grid.visit(p, [&](const DroppedFly& fly) {
       const double du = fly.pixel.u_px - p.u_px, dv = fly.pixel.v_px - p.v_px;
-      sum += fly.fitness * exp_of_minus((du * du + dv * dv) * per_square);
+      sum += fly.fitness * kernel(du * du + dv * dv, bandwidth_px);
     });
     density.push_back(flies.empty() ? 0.0 : sum / static_cast<double>(flies.size()));
   }
