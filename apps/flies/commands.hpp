@@ -9,6 +9,7 @@ void setup_calib(CLI::App& app);
 void setup_synth(CLI::App& app);
 void setup_evaluate(CLI::App& app);
 void setup_evaluate_classifier(CLI::App& app);
+void setup_train(CLI::App& app);
 void setup_reproduce(CLI::App& app);
 void setup_bench(CLI::App& app);
 void setup_config(CLI::App& app);

@@ -68,6 +68,7 @@ void setup(CLI::App& app) {
   setup_synth(app);
   setup_evaluate(app);
   setup_evaluate_classifier(app);
+  setup_train(app);
   setup_reproduce(app);
   setup_bench(app);
   setup_config(app);

@@ -47,17 +47,17 @@ cv::Mat decode(const std::string& path) {
   return image;
 }
 
-void check_pixels(const cv::Mat& image, const std::string& path) {
+void check_pixels(const cv::Mat& image, const std::string& path, const cv::Size& least) {
   if (image.depth() == CV_32F || image.depth() == CV_64F)
     throw InputError(path, "pixels",
                      fmt::format("found floating point{}, expected 8 or 16 bits",
                                  cv::checkRange(image) ? "" : " with values that are not finite"));
   if (image.depth() != CV_8U && image.depth() != CV_16U)
     throw InputError(path, "pixels", "found signed or 32-bit values, expected 8 or 16 bits");
-  if (image.cols < kMinImageWidth_px || image.rows < kMinImageHeight_px)
+  if (image.cols < least.width || image.rows < least.height)
     throw InputError(path, "size",
                      fmt::format("found {} x {} px, expected at least {} x {} px", image.cols, image.rows,
-                                 kMinImageWidth_px, kMinImageHeight_px));
+                                 least.width, least.height));
 }
 
 /// Grey with the bit depth of the file.
@@ -86,9 +86,9 @@ cv::Mat to_gray(const cv::Mat& image, const std::string& path) {
   return gray;
 }
 
-cv::Mat read_gray(const std::string& path) {
+cv::Mat read_gray(const std::string& path, const cv::Size& least = {kMinImageWidth_px, kMinImageHeight_px}) {
   const cv::Mat image = decode(path);
-  check_pixels(image, path);
+  check_pixels(image, path, least);
   return to_gray(image, path);
 }
 
@@ -116,8 +116,8 @@ GrayImage to_8_bits(const cv::Mat& gray, int bit_depth) {
 
 }  // namespace
 
-GrayImage load_gray_image(const std::string& path) {
-  const cv::Mat gray = read_gray(path);
+GrayImage load_gray_image(const std::string& path, int min_width_px, int min_height_px) {
+  const cv::Mat gray = read_gray(path, {min_width_px, min_height_px});
   return to_8_bits(gray, significant_bits(gray));
 }
 

@@ -13,8 +13,9 @@ inline constexpr int kMinImageHeight_px = 48;
 /// Reads one image as 8-bit grey: PNG, JPEG, PGM/PPM or TIFF with 8 or 16 bits, grey or colour, with or without alpha
 /// (ignored). Colour becomes grey with the weights of ITU-R BT.601; 16 bits are scaled as in `load_pair`.
 /// @throws InputError naming the file: missing, a folder, not an image, truncated or damaged, floating point, smaller
-///         than 64 x 48 px, a single grey level throughout
-GrayImage load_gray_image(const std::string& path);
+///         than the least size, a single grey level throughout
+GrayImage load_gray_image(const std::string& path, int min_width_px = kMinImageWidth_px,
+                          int min_height_px = kMinImageHeight_px);
 
 /// Reads the two images of a pair. Files with 16 bits hold anything from 9 to 16 significant ones; both images are
 /// shifted by the same number of bits, the smallest that fits the larger maximum of the two into 8, so that equal

@@ -1,0 +1,109 @@
+#include "flies/train/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "flies/core/error.hpp"
+#include "flies/eval/text.hpp"
+#include "flies/io/output_file.hpp"
+
+namespace flies {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr const char* kStateFile = "state.json";
+
+Json json_of(const TrainingWindow& w) {
+  return {w.picture, w.is_mirrored, w.window.u_px, w.window.v_px, w.window.width_px, w.window.height_px};
+}
+
+TrainingWindow window_of(const Json& json) {
+  return {json.at(0).get<std::uint32_t>(), json.at(1).get<bool>(),
+          {json.at(2).get<double>(), json.at(3).get<double>(), json.at(4).get<double>(), json.at(5).get<double>()}};
+}
+
+/// FNV-1a with 64 bits over texts and numbers.
+class Hash {
+ public:
+  void add(std::string_view bytes) {
+    for (const char byte : bytes) hash_ = (hash_ ^ static_cast<unsigned char>(byte)) * 0x100000001b3U;
+    hash_ = (hash_ ^ 0x1FFU) * 0x100000001b3U;  // keeps "ab", "c" apart from "a", "bc"
+  }
+  void add(std::span<const ImageBox> boxes) {
+    for (const auto& box : boxes)
+      add(fmt::format("{} {} {} {}", box.u_px, box.v_px, box.width_px, box.height_px));
+    add("end");
+  }
+  std::string text() const { return fmt::format("{:016x}", hash_); }
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325U;
+};
+
+}  // namespace
+
+std::string fingerprint_of(std::span<const TrainingPicture> people, std::span<const TrainingPicture> background,
+                           const TrainOptions& options) {
+  Hash hash;
+  for (const auto& listing : list_options(options))
+    if (listing.path != "threads") hash.add(listing.path + "=" + listing.value);
+  for (const auto& pictures : {people, background}) {
+    for (const auto& picture : pictures) {
+      std::error_code error;
+      hash.add(picture.path);
+      hash.add(fmt::format("{}", fs::file_size(picture.path, error)));
+      hash.add(picture.people);
+      hash.add(picture.unclear);
+      hash.add(picture.proposals);
+    }
+    hash.add("end");
+  }
+  return hash.text();
+}
+
+Checkpoint::Checkpoint(const fs::path& folder, const std::string& fingerprint)
+    : folder_(folder), fingerprint_(fingerprint) {
+  if (folder_.empty()) return;
+  const fs::path file = folder_ / kStateFile;
+  if (!fs::exists(file)) return;
+  Json json;
+  TrainingState state;
+  try {
+    json = Json::parse(detail::read_file(file));
+    if (json.at("fingerprint") != fingerprint_)
+      throw InputError(folder_.string(), "",
+                       "holds the state of a training with other pictures or options; remove it or name another folder");
+    state.rounds_done = json.at("rounds_done").get<int>();
+    for (const auto& window : json.at("background")) state.background.push_back(window_of(window));
+  } catch (const Json::exception&) {
+    throw InputError(file.string(), "", "is damaged, expected the state of a training; remove it to start again");
+  }
+  state_ = std::move(state);
+}
+
+void Checkpoint::save(TrainingState state) {
+  state_ = std::move(state);
+  if (folder_.empty()) return;
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) throw InputError(folder_.string(), "", "cannot create the folder: " + error.message());
+  Json windows = Json::array();
+  for (const auto& window : state_.background) windows.push_back(json_of(window));
+  const Json json = {
+      {"fingerprint", fingerprint_}, {"rounds_done", state_.rounds_done}, {"background", std::move(windows)}};
+  write_file((folder_ / kStateFile).string(), json.dump());
+}
+
+void Checkpoint::remove() {
+  if (folder_.empty()) return;
+  std::error_code error;  // what cannot be removed does no harm
+  fs::remove(folder_ / kStateFile, error);
+  fs::remove(folder_, error);
+}
+
+}  // namespace flies

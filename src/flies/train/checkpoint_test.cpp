@@ -1,0 +1,52 @@
+#include "flies/train/checkpoint.hpp"
+
+#include <gmock/gmock.h>
+
+#include "flies/io/temporary_folder.hpp"
+
+namespace flies {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Checkpoint, GivesBackWhatItWasGiven) {
+  const testing::TemporaryFolder folder;
+  const std::string work = folder.file("work");
+  const TrainingState state{2, {{3, true, {0.1, 1.0 / 3.0, 40.7, 81.4}}, {4, false, {1, 2, 3, 6}}}};
+  Checkpoint(work, "abc").save(state);
+  Checkpoint again(work, "abc");
+  EXPECT_EQ(again.state().rounds_done, 2);
+  EXPECT_EQ(again.state().background, state.background);
+  again.remove();
+  EXPECT_FALSE(std::filesystem::exists(work));
+}
+
+TEST(Checkpoint, RefusesTheStateOfAnotherTraining) {
+  const testing::TemporaryFolder folder;
+  Checkpoint(folder.file("work"), "abc").save({});
+  EXPECT_THAT(testing::error_of([&] { Checkpoint(folder.file("work"), "abd"); }),
+              HasSubstr("work: holds the state of a training with other pictures"));
+}
+
+TEST(Checkpoint, RefusesADamagedState) {
+  const testing::TemporaryFolder folder;
+  std::filesystem::create_directories(folder.file("work"));
+  for (const char* text : {"", "{", "{\"fingerprint\": \"abc\"}"}) {
+    folder.write("work/state.json", text);
+    EXPECT_THAT(testing::error_of([&] { Checkpoint(folder.file("work"), "abc"); }), HasSubstr("state.json: is damaged"));
+  }
+}
+
+TEST(FingerprintOf, ChangesWithPicturesAndOptionsButNotWithThreads) {
+  const std::vector<TrainingPicture> people(1), background(2);
+  TrainOptions options;
+  const std::string fingerprint = fingerprint_of(people, background, options);
+  options.threads = 7;
+  EXPECT_EQ(fingerprint_of(people, background, options), fingerprint);
+  EXPECT_NE(fingerprint_of(background, people, options), fingerprint);
+  options.rbf.gamma *= 2.0;
+  EXPECT_NE(fingerprint_of(people, background, options), fingerprint);
+}
+
+}  // namespace
+}  // namespace flies

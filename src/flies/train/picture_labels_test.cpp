@@ -1,0 +1,59 @@
+#include "flies/train/picture_labels.hpp"
+
+#include <gmock/gmock.h>
+
+#include "flies/io/temporary_folder.hpp"
+
+namespace flies {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+constexpr const char* kVoc = R"(<annotation><filename>a.png</filename>
+<object><name>person</name><bndbox><xmin>10</xmin><ymin>20</ymin><xmax>40</xmax><ymax>120</ymax></bndbox></object>
+<object><name>person</name><difficult>1</difficult><bndbox><xmin>1</xmin><ymin>2</ymin><xmax>3</xmax><ymax>4</ymax></bndbox></object>
+<object><name>car</name><bndbox><xmin>1</xmin><ymin>2</ymin><xmax>3</xmax><ymax>4</ymax></bndbox></object>
+</annotation>)";
+
+TEST(ParseVocLabels, TakesPeopleAndPutsDifficultOnesAside) {
+  const PictureLabels labels = parse_voc_labels(kVoc, "a.xml");
+  EXPECT_EQ(labels.picture, "a.png");
+  ASSERT_THAT(labels.people, SizeIs(1));
+  EXPECT_EQ(labels.people[0].u_px, 10.0);
+  EXPECT_EQ(labels.people[0].v_px, 20.0);
+  EXPECT_EQ(labels.people[0].width_px, 30.0);
+  EXPECT_EQ(labels.people[0].height_px, 100.0);
+  EXPECT_THAT(labels.unclear, SizeIs(1));
+}
+
+TEST(ParseVocLabels, NamesTheObjectAndTheCoordinate) {
+  const std::string bad =
+      "<annotation><object><name>person</name><bndbox><xmin>x</xmin></bndbox></object></annotation>";
+  EXPECT_THAT(testing::error_of([&] { parse_voc_labels(bad, "a.xml"); }), HasSubstr("a.xml: object 1.bndbox.xmin"));
+  EXPECT_THAT(testing::error_of([&] { parse_voc_labels("<annotation>", "a.xml"); }), HasSubstr("a.xml: byte"));
+  EXPECT_THAT(testing::error_of([&] { parse_voc_labels("<xml/>", "a.xml"); }), HasSubstr("annotation"));
+}
+
+TEST(ParseKittiBoxes, SortsByTypeOcclusionAndTruncation) {
+  const PictureLabels labels = parse_kitti_boxes(
+      "Pedestrian 0.00 0 -0.2 712.40 143.00 810.73 307.92 1.89 0.48 1.20 1.84 1.47 8.41 0.01\n"
+      "Pedestrian 0.00 2 -0.2 10 20 30 90 1.89 0.48 1.20 1.84 1.47 8.41 0.01\n"
+      "Pedestrian 0.50 0 -0.2 10 20 30 90 1.89 0.48 1.20 1.84 1.47 8.41 0.01\n"
+      "Cyclist 0.00 0 -0.2 10 20 30 90 1.89 0.48 1.20 1.84 1.47 8.41 0.01\n"
+      "Car 0.00 0 -0.2 10 20 30 90 1.89 0.48 1.20 1.84 1.47 8.41 0.01\n"
+      "DontCare -1 -1 -10 503.89 169.71 590.61 190.13 -1 -1 -1 -1000 -1000 -1000 -10\n",
+      "1.txt");
+  ASSERT_THAT(labels.people, SizeIs(1));
+  EXPECT_DOUBLE_EQ(labels.people[0].height_px, 307.92 - 143.0);
+  EXPECT_THAT(labels.unclear, SizeIs(4));
+}
+
+TEST(ParseKittiBoxes, NamesTheLine) {
+  EXPECT_THAT(testing::error_of([] { parse_kitti_boxes("\nPedestrian 0 0", "1.txt"); }), HasSubstr("1.txt: line 2: found 3"));
+  EXPECT_THAT(testing::error_of([] { parse_kitti_boxes("Pedestrian 0 0 0 30 20 10 90 1 1 1 1 1 1 1", "1.txt"); }),
+              HasSubstr("left < right"));
+}
+
+}  // namespace
+}  // namespace flies

@@ -1,0 +1,45 @@
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "flies/train/training_windows.hpp"
+
+namespace flies {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// KITTI's object pairs where they are at hand, otherwise an empty path.
+fs::path kitti_object() {
+  const char* named = std::getenv("FLIES_TEST_DATA");
+  const char* source = std::getenv("FLIES_SOURCE_DIR");
+  const fs::path data = named ? fs::path(named) : fs::path(source ? source : ".") / "../shared/data";
+  const fs::path folder = data / "kitti_object/training";
+  return fs::exists(folder) ? folder : fs::path();
+}
+
+TEST(FindProposals, GivesBackgroundWindowsThatKeepClearOfPeople) {
+  const fs::path folder = kitti_object();
+  if (folder.empty()) GTEST_SKIP() << "needs kitti_object/training in ../shared/data or FLIES_TEST_DATA";
+  const auto pictures = find_proposals(std::vector<std::string>{folder.string()}, DetectorOptions{});
+  std::size_t people = 0, proposals = 0, kept = 0;
+  TrainOptions options;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const TrainingPicture& picture = pictures[i];
+    EXPECT_TRUE(picture.has_proposals);
+    people += picture.unclear.size();
+    proposals += picture.proposals.size();
+    const auto windows = windows_without_people(picture, 1242, 375, static_cast<std::uint32_t>(i), 1, 100000, options);
+    kept += windows.size();
+    for (const auto& w : windows)
+      for (const auto& person : picture.unclear)
+        EXPECT_LE(intersection_over_union(w.window, window_around(person, options.positives.person_share)), 0.3);
+  }
+  EXPECT_GT(people, 0U);
+  EXPECT_GT(kept, 100U);
+  EXPECT_LT(kept, proposals) << "some proposals lie on the labelled people";
+}
+
+}  // namespace
+}  // namespace flies

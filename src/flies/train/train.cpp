@@ -1,0 +1,191 @@
+#include "flies/train/train.hpp"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "flies/core/error.hpp"
+#include "flies/train/mine.hpp"
+#include "flies/train/samples.hpp"
+#include "flies/train/support_vectors.hpp"
+#include "flies/train/validate.hpp"
+
+namespace flies {
+namespace {
+
+/// Background that scores this much less than what counts as hard is forgotten: it does not touch the margin, and would
+/// only fill the memory. Half a margin, because the next machine differs a little.
+constexpr double kForgetMargin = 0.5;
+/// Rounds are numbered from 1; windows of round 0 are the first, random ones.
+constexpr std::uint32_t kFirstWindows = 0;
+constexpr std::uint32_t kWindowsKeptApart = 1000;
+
+struct Parts {
+  Split people, background;
+};
+
+Parts split(const TrainingData& data, const TrainOptions& options) {
+  const auto check = [](std::size_t found, const char* what) {
+    if (found < kMinPictures)
+      throw InputError("command line", what, fmt::format("found {} pictures, expected at least {}", found, kMinPictures));
+  };
+  check(data.people.size(), "--positives");
+  check(data.background.size(), "--negatives");
+  return {split_in_runs(data.people.size(), options.validation_share),
+          split_in_runs(data.background.size(), options.validation_share)};
+}
+
+/// The first machine's background: as many windows of every picture.
+std::vector<TrainingWindow> random_windows(const TrainingData& data, std::span<const std::uint32_t> chosen,
+                                           const TrainOptions& options) {
+  std::vector<TrainingWindow> windows;
+  const int pictures = static_cast<int>(chosen.size());
+  for (int i = 0; i < pictures; ++i) {
+    const std::uint32_t index = chosen[static_cast<std::size_t>(i)];
+    const GrayImage image = load_picture(data.background[index]);
+    const int count = options.negatives.first / pictures + (i < options.negatives.first % pictures ? 1 : 0);
+    std::ranges::copy(windows_without_people(data.background[index], image.width_px, image.height_px, index,
+                                             kFirstWindows, count, options),
+                      std::back_inserter(windows));
+  }
+  if (windows.empty())
+    throw InputError("command line", "--negatives",
+                     fmt::format("found no window without people that is {} px high or higher",
+                                 options.negatives.min_height_px));
+  return windows;
+}
+
+/// One training: what it reads, and how it speaks.
+class Training {
+ public:
+  Training(const TrainingData& data, const TrainOptions& options, Checkpoint& checkpoint,
+           const TrainingProgress& progress)
+      : data_(data), options_(options), checkpoint_(checkpoint), progress_(progress), parts_(split(data, options)) {}
+
+  TrainingResult run();
+
+ private:
+  void say(const std::string& chapter, std::size_t done = 0, std::size_t total = 1) const {
+    if (progress_) progress_(chapter, done, total);
+  }
+  LinearStage linear_machine(const Samples& samples, const std::string& chapter) const {
+    say("linear machine, " + chapter);
+    return train_linear(samples.features, samples.is_person, options_.linear, options_.seed);
+  }
+  std::vector<TrainingWindow> hard_windows(std::span<const std::uint32_t> pictures, const LinearStage& linear,
+                                           std::uint32_t round, const std::string& chapter) const;
+  Samples learn_in_rounds(LinearStage& linear, TrainingResult& result);
+  void learn_what_was_kept_apart(Samples& samples, LinearStage& linear, TrainingResult& result);
+  std::optional<KernelStage> kernel_machine(const Samples& samples, const LinearStage& linear) const;
+
+  const TrainingData& data_;
+  const TrainOptions& options_;
+  Checkpoint& checkpoint_;
+  const TrainingProgress& progress_;
+  const Parts parts_;
+  const HogGeometry hog_;
+};
+
+std::vector<TrainingWindow> Training::hard_windows(std::span<const std::uint32_t> pictures, const LinearStage& linear,
+                                                   std::uint32_t round, const std::string& chapter) const {
+  const auto score = [&](std::span<const float> features) { return linear_score(linear, features); };
+  return mine_hard_windows(data_.background, pictures, hog_, score, round, options_, [&](std::size_t done) {
+    say("hard windows, " + chapter, done, pictures.size());
+  });
+}
+
+/// The linear machine on people and random background, then again with what it took for people, and so on.
+Samples Training::learn_in_rounds(LinearStage& linear, TrainingResult& result) {
+  say("people");
+  Samples samples = people_samples(data_.people, parts_.people.learnt, hog_, options_);
+  const bool goes_on = checkpoint_.state().rounds_done > 0;
+  add_background(samples, data_.background,
+                 goes_on ? checkpoint_.state().background : random_windows(data_, parts_.background.learnt, options_),
+                 hog_);
+  const int rounds = options_.negatives.rounds;
+  int round = std::min(checkpoint_.state().rounds_done, rounds);
+  linear = linear_machine(samples, fmt::format("round {}", round));
+  while (round < rounds) {
+    ++round;
+    const std::string name = fmt::format("round {}", round);
+    keep_background(samples, [&](std::span<const float> features) {
+      return linear_score(linear, features) > options_.negatives.hard_above - kForgetMargin;
+    });
+    const auto hard = hard_windows(parts_.background.learnt, linear, static_cast<std::uint32_t>(round), name);
+    add_background(samples, data_.background, hard, hog_);
+    result.rounds.push_back({name, hard.size(), samples.background.size()});
+    checkpoint_.save({round, samples.background});
+    linear = linear_machine(samples, name);
+  }
+  return samples;
+}
+
+/// The same windows and those that were kept apart, so that no picture is wasted.
+void Training::learn_what_was_kept_apart(Samples& samples, LinearStage& linear, TrainingResult& result) {
+  const std::string name = "pictures kept apart";
+  std::vector<TrainingWindow> background = samples.background;
+  for (int round = 1; round <= std::max(1, options_.negatives.rounds); ++round)
+    std::ranges::copy(hard_windows(parts_.background.kept_apart, linear, static_cast<std::uint32_t>(round), name),
+                      std::back_inserter(background));
+  std::vector<std::uint32_t> everyone = parts_.people.learnt;
+  std::ranges::copy(parts_.people.kept_apart, std::back_inserter(everyone));
+  samples = people_samples(data_.people, everyone, hog_, options_);
+  const std::size_t known = samples.background.size();
+  add_background(samples, data_.background, background, hog_);
+  result.rounds.push_back({name, background.size() - known, samples.background.size()});
+  linear = linear_machine(samples, "all pictures");
+}
+
+std::optional<KernelStage> Training::kernel_machine(const Samples& samples, const LinearStage& linear) const {
+  if (options_.kernel == SvmKernel::linear) return std::nullopt;
+  say("kernel machine");
+  Samples near = samples;
+  keep_background(near, [&](std::span<const float> features) {
+    return linear_score(linear, features) > options_.rbf.reject_below;
+  });
+  if (near.background.empty()) return std::nullopt;  // the linear machine already rejects all of it
+  return train_kernel(near.features, near.is_person, options_.rbf, options_.seed);
+}
+
+TrainingResult Training::run() {
+  TrainingResult result;
+  PeopleModel& model = result.model;
+  model.hog = hog_;
+  Samples samples = learn_in_rounds(model.linear, result);
+  model.kernel = kernel_machine(samples, model.linear);
+  if (model.kernel) model.linear.reject_below = options_.rbf.reject_below;
+
+  validate(data_, parts_.people.kept_apart, parts_.background.kept_apart, kWindowsKeptApart, options_, result,
+           [&](std::size_t done, std::size_t total) { say("validation", done, total); });
+
+  if (options_.refit) {
+    const LinearStage seen_part = model.linear;
+    learn_what_was_kept_apart(samples, model.linear, result);
+    model.linear.calibration = seen_part.calibration;
+    model.linear.reject_below = seen_part.reject_below;
+    if (model.kernel) {
+      const ScoreCalibration calibration = model.kernel->calibration;
+      model.kernel = kernel_machine(samples, model.linear);
+      if (model.kernel) model.kernel->calibration = calibration;
+    }
+  }
+  result.people = samples.people;
+  result.background = samples.background.size();
+  return result;
+}
+
+}  // namespace
+
+TrainingResult train_people(const TrainingData& data, const TrainOptions& options, Checkpoint& checkpoint,
+                            const TrainingProgress& progress) {
+  check_options(options, "options");
+  std::optional<tbb::global_control> threads;
+  if (options.threads > 0)
+    threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
+  return Training(data, options, checkpoint, progress).run();
+}
+
+}  // namespace flies

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "flies/core/results.hpp"
+#include "flies/io/gray_image.hpp"
+#include "flies/pipeline/detector.hpp"
+
+namespace flies {
+
+/// A picture to take windows from. It is read when its turn comes.
+struct TrainingPicture {
+  std::string path;
+  bool is_crop = false;              ///< the whole picture is one person with a known margin; may be small
+  std::vector<ImageBox> people;      ///< head to feet: to be learnt from
+  std::vector<ImageBox> unclear;     ///< people that are not fit to learn from, but are no background either
+  bool has_proposals = false;        ///< windows without people come from `proposals` only, not from anywhere
+  std::vector<ImageBox> proposals;   ///< windows that the flies proposed
+};
+
+/// Finds pictures of people. What a folder holds is recognised from its content:
+/// - KITTI: `label_2` beside `image_2`, a text file a picture;
+/// - Pascal VOC: an XML file a picture, in `Annotations` beside `JPEGImages`, or next to the pictures;
+/// - otherwise every picture in it and below is the crop of one person.
+/// People labelled as difficult, truncated or occluded are not learnt from.
+/// @param crop_person_share height of the person, who stands in the middle, over height of a crop
+/// @returns in name order, folder after folder; labelled pictures without a person to learn from are left out
+/// @throws InputError naming the folder when it holds no pictures, or the label file and line; from
+///         reading a crop
+std::vector<TrainingPicture> find_people(std::span<const std::string> folders, double crop_person_share);
+
+/// Finds pictures to take background from: without people, or with all people labelled in KITTI or Pascal VOC format.
+/// @throws InputError as `find_people`
+std::vector<TrainingPicture> find_background(std::span<const std::string> folders);
+
+/// The left images of stereo pairs with the windows that the flies propose in them. The folders are those that
+/// `open_dataset` reads; all people and riders in their truth are marked as not to be learnt from.
+/// @throws InputError as `open_dataset`
+std::vector<TrainingPicture> find_proposals(std::span<const std::string> folders, const DetectorOptions& options);
+
+/// The pixels. @throws InputError as `load_gray_image`
+GrayImage load_picture(const TrainingPicture& picture);
+
+/// The window around a person: aspect 1:2, the person in its middle with this share of its height.
+ImageBox window_around(const ImageBox& person, double person_share);
+
+/// Intersection over union, 0 to 1.
+double intersection_over_union(const ImageBox& a, const ImageBox& b);
+
+}  // namespace flies

@@ -1,0 +1,95 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "flies/train/toy_pictures.hpp"
+#include "run_flies.hpp"
+
+namespace flies::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Words = std::vector<std::string>;
+
+/// The command for toy pictures, small enough to take no time.
+Words train(const Words& more) {
+  Words words = {"train",  "--positives", "people", "--negatives", "street", "--positives.jitters", "1",
+                 "--negatives.first", "120", "--negatives.rounds", "1", "--negatives.windows_per_picture", "60",
+                 "--negatives.validation_per_picture", "100", "--false-positive-rate", "0.01"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+struct Train : ::testing::Test {
+  Train() { write_toy_data(folder.path(), 30, 12); }
+  /// Everything but the pictures.
+  std::vector<std::string> written() const {
+    std::vector<std::string> names;
+    for (const auto& name : folder.listing())
+      if (!name.starts_with("people") && !name.starts_with("street")) names.push_back(name);
+    return names;
+  }
+  TestFolder folder;
+};
+
+TEST_F(Train, WritesAModelThatEvaluatesWellOnItsOwnPictures) {
+  const RunResult trained = run_flies(folder.path(), train({"--out", "toy.json", "--report", "toy.html"}));
+  ASSERT_EQ(trained.status, 0) << trained.err;
+  EXPECT_THAT(trained.out, HasSubstr("learnt from    90 windows with people"));
+  EXPECT_THAT(written(), ElementsAre("toy.html", "toy.json"));
+  EXPECT_THAT(read_text(folder.path() / "toy.html"), HasSubstr("Training of toy"));
+
+  namespace fs = std::filesystem;
+  fs::create_directories(folder.path() / "data");
+  fs::rename(folder.path() / "people", folder.path() / "data/positives");
+  fs::rename(folder.path() / "street", folder.path() / "data/negatives");
+  const RunResult judged =
+      run_flies(folder.path(), {"evaluate-classifier", "toy.json", "--data", "data", "--negatives", "1000"});
+  EXPECT_EQ(judged.status, 0) << judged.err;
+  EXPECT_THAT(judged.out, HasSubstr("toy.json"));
+}
+
+TEST_F(Train, WritesTheSameFileTwice) {
+  ASSERT_EQ(run_flies(folder.path(), train({"--out", "a.json", "--name", "x", "--kernel", "rbf"})).status, 0);
+  ASSERT_EQ(run_flies(folder.path(), train({"--out", "b.json", "--name", "x", "--kernel", "rbf", "--threads", "2"})).status,
+            0);
+  EXPECT_EQ(read_text(folder.path() / "a.json"), read_text(folder.path() / "b.json"));
+}
+
+TEST_F(Train, NamesAFaultAndLeavesNothingBehind) {
+  struct Case {
+    Words words;
+    std::string complaint;
+  };
+  const std::vector<Case> cases = {
+      {{"--out", "m.json", "--kernel", "cubic"}, "kernel: found 'cubic', expected linear|rbf"},
+      {{"--out", "m.json", "--rbf.gama", "1"}, "unknown option --rbf.gama; did you mean --rbf.gamma?"},
+      {{"--out", "no/such/m.json"}, "no/such/m.json"},
+      {{"--out", "m.json", "--report", "m.json"}, "which --out names as well"},
+      {{"--out", "m.json", "--negatives", "nowhere"}, "nowhere: no such folder"},
+      {{"--out", "m.json", "--about", "licence"}, "--about: found 'licence', expected KEY=TEXT"},
+      {{"--out", "m.json", "--stereo-negatives", "street"}, "street"},
+  };
+  for (const auto& wrong : cases) {
+    const RunResult result = run_flies(folder.path(), train(wrong.words));
+    EXPECT_EQ(result.status, 2) << wrong.complaint;
+    EXPECT_THAT(result.err, HasSubstr(wrong.complaint));
+    EXPECT_EQ(lines(result.err).size(), 1U) << result.err;
+    EXPECT_THAT(written(), IsEmpty()) << wrong.complaint;
+  }
+}
+
+TEST_F(Train, NamesADamagedPicture) {
+  write_text(folder.path() / "people/105.png", "no picture");
+  const RunResult result = run_flies(folder.path(), train({"--out", "m.json"}));
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("people/105.png"));
+}
+
+}  // namespace
+}  // namespace flies::testing
