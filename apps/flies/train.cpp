@@ -161,9 +161,8 @@ void run_train(const TrainArguments& arguments) {
   flies::Checkpoint checkpoint(arguments.work.empty() ? arguments.out + ".work" : arguments.work,
                                flies::fingerprint_of(data.people, data.background, options));
   std::optional<ProgressLine> progress(std::in_place);
-  flies::TrainingResult result =
-      flies::train_people(data, options, checkpoint,
-                          [&](auto chapter, auto done, auto total) { progress->show(chapter, done, total); });
+  flies::TrainingResult result = flies::train_people(
+      data, options, checkpoint, [&](auto chapter, auto done, auto total) { progress->show(chapter, done, total); });
   progress.reset();
 
   describe(arguments, options, data, about, result);
@@ -191,7 +190,9 @@ void add_training_options(CLI::App& command, TrainArguments& arguments) {
     command
         .add_option_function<std::string>(
             flag_of(listing.path),
-            [&arguments, path = listing.path](const std::string& text) { arguments.overrides.emplace_back(path, text); },
+            [&arguments, path = listing.path](const std::string& text) {
+              arguments.overrides.emplace_back(path, text);
+            },
             fmt::format("{}; {}, default {}", listing.meaning, listing.allowed, listing.value))
         ->type_name("N")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
@@ -234,7 +235,8 @@ void setup_train(CLI::App& app) {
       "\nA part of the pictures is kept apart for calibration, threshold and the numbers that are printed.\n"
       "Same pictures, seed and options give the same file. docs/training.md tells how it works.\n"
       "\nExample:\n"
-      "  flies train --positives people/train/positives --negatives people/train/negatives --kernel rbf --out mine.json\n"
+      "  flies train --positives people/train/positives --negatives people/train/negatives --kernel rbf --out "
+      "mine.json\n"
       "  flies detect left.png right.png --calib calib.txt --model mine.json\n"
       "\nExit status: 0 done, 2 a fault in the input, told in one line.");
   command->callback([arguments] { run_train(*arguments); });

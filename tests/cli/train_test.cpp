@@ -18,9 +18,15 @@ using Words = std::vector<std::string>;
 
 /// The command for toy pictures, small enough to take no time.
 Words train(const Words& more) {
-  Words words = {"train",  "--positives", "people", "--negatives", "street", "--positives.jitters", "1",
-                 "--negatives.first", "120", "--negatives.rounds", "1", "--negatives.windows_per_picture", "60",
-                 "--negatives.validation_per_picture", "100", "--false-positive-rate", "0.01"};
+  Words words = {"train",  "--positives",
+                 "people", "--negatives",
+                 "street", "--positives.jitters",
+                 "1",      "--negatives.first",
+                 "120",    "--negatives.rounds",
+                 "1",      "--negatives.windows_per_picture",
+                 "60",     "--negatives.validation_per_picture",
+                 "100",    "--false-positive-rate",
+                 "0.01"};
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
@@ -56,8 +62,9 @@ TEST_F(Train, WritesAModelThatEvaluatesWellOnItsOwnPictures) {
 
 TEST_F(Train, WritesTheSameFileTwice) {
   ASSERT_EQ(run_flies(folder.path(), train({"--out", "a.json", "--name", "x", "--kernel", "rbf"})).status, 0);
-  ASSERT_EQ(run_flies(folder.path(), train({"--out", "b.json", "--name", "x", "--kernel", "rbf", "--threads", "2"})).status,
-            0);
+  ASSERT_EQ(
+      run_flies(folder.path(), train({"--out", "b.json", "--name", "x", "--kernel", "rbf", "--threads", "2"})).status,
+      0);
   EXPECT_EQ(read_text(folder.path() / "a.json"), read_text(folder.path() / "b.json"));
 }
 

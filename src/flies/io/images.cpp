@@ -56,8 +56,8 @@ void check_pixels(const cv::Mat& image, const std::string& path, const cv::Size&
     throw InputError(path, "pixels", "found signed or 32-bit values, expected 8 or 16 bits");
   if (image.cols < least.width || image.rows < least.height)
     throw InputError(path, "size",
-                     fmt::format("found {} x {} px, expected at least {} x {} px", image.cols, image.rows,
-                                 least.width, least.height));
+                     fmt::format("found {} x {} px, expected at least {} x {} px", image.cols, image.rows, least.width,
+                                 least.height));
 }
 
 /// Grey with the bit depth of the file.

@@ -23,7 +23,8 @@ Json json_of(const TrainingWindow& w) {
 }
 
 TrainingWindow window_of(const Json& json) {
-  return {json.at(0).get<std::uint32_t>(), json.at(1).get<bool>(),
+  return {json.at(0).get<std::uint32_t>(),
+          json.at(1).get<bool>(),
           {json.at(2).get<double>(), json.at(3).get<double>(), json.at(4).get<double>(), json.at(5).get<double>()}};
 }
 
@@ -35,8 +36,7 @@ class Hash {
     hash_ = (hash_ ^ 0x1FFU) * 0x100000001b3U;  // keeps "ab", "c" apart from "a", "bc"
   }
   void add(std::span<const ImageBox> boxes) {
-    for (const auto& box : boxes)
-      add(fmt::format("{} {} {} {}", box.u_px, box.v_px, box.width_px, box.height_px));
+    for (const auto& box : boxes) add(fmt::format("{} {} {} {}", box.u_px, box.v_px, box.width_px, box.height_px));
     add("end");
   }
   std::string text() const { return fmt::format("{:016x}", hash_); }
@@ -76,8 +76,9 @@ Checkpoint::Checkpoint(const fs::path& folder, const std::string& fingerprint)
   try {
     json = Json::parse(detail::read_file(file));
     if (json.at("fingerprint") != fingerprint_)
-      throw InputError(folder_.string(), "",
-                       "holds the state of a training with other pictures or options; remove it or name another folder");
+      throw InputError(
+          folder_.string(), "",
+          "holds the state of a training with other pictures or options; remove it or name another folder");
     state.rounds_done = json.at("rounds_done").get<int>();
     for (const auto& window : json.at("background")) state.background.push_back(window_of(window));
   } catch (const Json::exception&) {

@@ -41,7 +41,8 @@ class Checkpoint {
   TrainingState state_;
 };
 
-/// The same for the same pictures (paths, file sizes, labels, proposals) and options; the number of threads is left out.
+/// The same for the same pictures (paths, file sizes, labels, proposals) and options; the number of threads is left
+/// out.
 std::string fingerprint_of(std::span<const TrainingPicture> people, std::span<const TrainingPicture> background,
                            const TrainOptions& options);
 

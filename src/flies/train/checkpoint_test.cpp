@@ -33,7 +33,8 @@ TEST(Checkpoint, RefusesADamagedState) {
   std::filesystem::create_directories(folder.file("work"));
   for (const char* text : {"", "{", "{\"fingerprint\": \"abc\"}"}) {
     folder.write("work/state.json", text);
-    EXPECT_THAT(testing::error_of([&] { Checkpoint(folder.file("work"), "abc"); }), HasSubstr("state.json: is damaged"));
+    EXPECT_THAT(testing::error_of([&] { Checkpoint(folder.file("work"), "abc"); }),
+                HasSubstr("state.json: is damaged"));
   }
 }
 

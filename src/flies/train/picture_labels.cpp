@@ -26,9 +26,9 @@ bool is_one_of(std::string_view name, const Names& names) {
 ImageBox box_between(double left, double top, double right, double bottom, const std::string& source,
                      const std::string& field) {
   if (!(right > left && bottom > top))
-    throw InputError(source, field,
-                     fmt::format("found the box {} {} {} {}, expected left < right and top < bottom", left, top, right,
-                                 bottom));
+    throw InputError(
+        source, field,
+        fmt::format("found the box {} {} {} {}, expected left < right and top < bottom", left, top, right, bottom));
   return {left, top, right - left, bottom - top};
 }
 

@@ -50,7 +50,8 @@ TEST(ParseKittiBoxes, SortsByTypeOcclusionAndTruncation) {
 }
 
 TEST(ParseKittiBoxes, NamesTheLine) {
-  EXPECT_THAT(testing::error_of([] { parse_kitti_boxes("\nPedestrian 0 0", "1.txt"); }), HasSubstr("1.txt: line 2: found 3"));
+  EXPECT_THAT(testing::error_of([] { parse_kitti_boxes("\nPedestrian 0 0", "1.txt"); }),
+              HasSubstr("1.txt: line 2: found 3"));
   EXPECT_THAT(testing::error_of([] { parse_kitti_boxes("Pedestrian 0 0 0 30 20 10 90 1 1 1 1 1 1 1", "1.txt"); }),
               HasSubstr("left < right"));
 }

@@ -9,7 +9,8 @@
 namespace flies {
 
 /// Trains a linear machine with LIBLINEAR (dual coordinate descent, hinge loss).
-/// Takes 16 bytes for every feature of every window while it runs. One call at a time: LIBLINEAR draws from `std::rand`.
+/// Takes 16 bytes for every feature of every window while it runs. One call at a time: LIBLINEAR draws from
+/// `std::rand`.
 /// @param features  a row a window
 /// @param is_person one per window, both kinds must occur
 /// @param seed      of the order in which LIBLINEAR visits the windows

@@ -30,7 +30,8 @@ struct Parts {
 Parts split(const TrainingData& data, const TrainOptions& options) {
   const auto check = [](std::size_t found, const char* what) {
     if (found < kMinPictures)
-      throw InputError("command line", what, fmt::format("found {} pictures, expected at least {}", found, kMinPictures));
+      throw InputError("command line", what,
+                       fmt::format("found {} pictures, expected at least {}", found, kMinPictures));
   };
   check(data.people.size(), "--positives");
   check(data.background.size(), "--negatives");
@@ -52,9 +53,9 @@ std::vector<TrainingWindow> random_windows(const TrainingData& data, std::span<c
                       std::back_inserter(windows));
   }
   if (windows.empty())
-    throw InputError("command line", "--negatives",
-                     fmt::format("found no window without people that is {} px high or higher",
-                                 options.negatives.min_height_px));
+    throw InputError(
+        "command line", "--negatives",
+        fmt::format("found no window without people that is {} px high or higher", options.negatives.min_height_px));
   return windows;
 }
 
@@ -92,9 +93,8 @@ class Training {
 std::vector<TrainingWindow> Training::hard_windows(std::span<const std::uint32_t> pictures, const LinearStage& linear,
                                                    std::uint32_t round, const std::string& chapter) const {
   const auto score = [&](std::span<const float> features) { return linear_score(linear, features); };
-  return mine_hard_windows(data_.background, pictures, hog_, score, round, options_, [&](std::size_t done) {
-    say("hard windows, " + chapter, done, pictures.size());
-  });
+  return mine_hard_windows(data_.background, pictures, hog_, score, round, options_,
+                           [&](std::size_t done) { say("hard windows, " + chapter, done, pictures.size()); });
 }
 
 /// The linear machine on people and random background, then again with what it took for people, and so on.

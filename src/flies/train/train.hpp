@@ -35,14 +35,14 @@ struct RoundSummary {
 
 struct TrainingResult {
   PeopleModel model;
-  std::size_t people = 0;      ///< windows with people that the machines learnt from, mirrored and jittered ones included
+  std::size_t people = 0;  ///< windows with people that the machines learnt from, mirrored and jittered ones included
   std::size_t background = 0;  ///< windows without
   std::vector<RoundSummary> rounds;
 
-  WindowScores validation;            ///< probabilities by the machines that had not seen these pictures
-  double validation_rate = 0.0;       ///< share of the validation people above the model's threshold
-  std::vector<JudgedWindow> missed;   ///< people with the lowest probability, lowest first
-  std::vector<JudgedWindow> mistaken; ///< background with the highest probability, highest first
+  WindowScores validation;             ///< probabilities by the machines that had not seen these pictures
+  double validation_rate = 0.0;        ///< share of the validation people above the model's threshold
+  std::vector<JudgedWindow> missed;    ///< people with the lowest probability, lowest first
+  std::vector<JudgedWindow> mistaken;  ///< background with the highest probability, highest first
 };
 
 /// Called with a chapter's name ("hard windows, round 1"), what of it is done, and the whole.

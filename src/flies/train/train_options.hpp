@@ -31,7 +31,8 @@ struct PositiveOptions {
           "height of the person over height of the window; detection must use the same (propose.person_share)");
     field("jitters", self.jitters, Range{0, 64}, "windows that are a little off, beside the exact one and its mirror");
     field("jitter_scale", self.jitter_scale, Range{0.0, 0.5}, "size of those is off by up to this share");
-    field("jitter_shift", self.jitter_shift, Range{0.0, 0.5}, "place of those is off by up to this share of the height");
+    field("jitter_shift", self.jitter_shift, Range{0.0, 0.5},
+          "place of those is off by up to this share of the height");
   }
 };
 
@@ -50,7 +51,8 @@ struct NegativeOptions {
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("first", self.first, Range{1, 10000000}, "windows drawn at random for the first machine, over all pictures");
-    field("rounds", self.rounds, Range{0, 32}, "rounds of hard windows: those that the machine so far takes for people");
+    field("rounds", self.rounds, Range{0, 32},
+          "rounds of hard windows: those that the machine so far takes for people");
     field("windows_per_picture", self.windows_per_picture, Range{1, 1000000},
           "new windows drawn from every picture in every round; only the hard ones are kept");
     field("per_round", self.per_round, Range{1, 10000000}, "hard windows added in a round at most, the hardest first");
@@ -106,7 +108,8 @@ struct TrainOptions {
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("seed", self.seed, "of all random numbers; same pictures, seed and options give the same model");
-    field("threads", self.threads, Range{0, 256}, "worker threads, 0 for one per core; the model does not depend on it");
+    field("threads", self.threads, Range{0, 256},
+          "worker threads, 0 for one per core; the model does not depend on it");
     field("kernel", self.kernel, "linear: one machine; rbf: a second one with a Gaussian kernel behind it");
     field("false_positive_rate", self.false_positive_rate, Range{0.0, 1.0},
           "the threshold lets this share of the validation windows without people through");

@@ -20,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 8> kPictures = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm", ".tif", ".tiff"};
+constexpr std::array<std::string_view, 8> kPictures = {".png", ".jpg", ".jpeg", ".pgm",
+                                                       ".ppm", ".pnm", ".tif",  ".tiff"};
 /// Crops may be as small as the window that is learnt, or smaller.
 constexpr int kMinCropWidth_px = 8;
 constexpr int kMinCropHeight_px = 16;

@@ -15,11 +15,11 @@ namespace flies {
 /// A picture to take windows from. It is read when its turn comes.
 struct TrainingPicture {
   std::string path;
-  bool is_crop = false;              ///< the whole picture is one person with a known margin; may be small
-  std::vector<ImageBox> people;      ///< head to feet: to be learnt from
-  std::vector<ImageBox> unclear;     ///< people that are not fit to learn from, but are no background either
-  bool has_proposals = false;        ///< windows without people come from `proposals` only, not from anywhere
-  std::vector<ImageBox> proposals;   ///< windows that the flies proposed
+  bool is_crop = false;             ///< the whole picture is one person with a known margin; may be small
+  std::vector<ImageBox> people;     ///< head to feet: to be learnt from
+  std::vector<ImageBox> unclear;    ///< people that are not fit to learn from, but are no background either
+  bool has_proposals = false;       ///< windows without people come from `proposals` only, not from anywhere
+  std::vector<ImageBox> proposals;  ///< windows that the flies proposed
 };
 
 /// Finds pictures of people. What a folder holds is recognised from its content:

@@ -54,7 +54,8 @@ std::string rates_table(const TrainingResult& result) {
   std::string html = "<div class=\"scroll\"><table><tr><th>false positives a window</th><th>people found</th></tr>\n";
   for (const auto& rate : detection_rates(result.validation, kReportedRates))
     if (rate.set.empty())
-      html += fmt::format("<tr><td>{:g}</td><td>{:.1f} %</td></tr>\n", rate.false_positives_per_window, 100 * rate.rate);
+      html +=
+          fmt::format("<tr><td>{:g}</td><td>{:.1f} %</td></tr>\n", rate.false_positives_per_window, 100 * rate.rate);
   return html + "</table></div>\n";
 }
 
@@ -94,7 +95,8 @@ std::string curves(const TrainingResult& result) {
 std::string training_summary(const TrainOptions& options, const TrainingResult& result) {
   std::size_t background = 0;
   for (const auto& picture : result.validation.negatives) background += picture.size();
-  std::string text = fmt::format("learnt from    {} windows with people, {} without\n", result.people, result.background);
+  std::string text =
+      fmt::format("learnt from    {} windows with people, {} without\n", result.people, result.background);
   if (result.model.kernel)
     text += fmt::format("kernel machine {} support vectors, {} axes\n", result.model.kernel->support_vectors.rows,
                         result.model.kernel->support_vectors.columns);

@@ -140,8 +140,8 @@ Matrix features_of(std::span<const TrainingPicture> pictures, std::span<const Tr
     const GrayImage image = load_picture(pictures[of_picture.front().picture]);
     const Matrix rows = features_in(image, of_picture, geometry);
     for (std::size_t i = 0; i < rows.rows; ++i)
-      std::ranges::copy(rows.row(i), features.values.begin() +
-                                         static_cast<std::ptrdiff_t>(order[starts[p] + i] * count));
+      std::ranges::copy(rows.row(i),
+                        features.values.begin() + static_cast<std::ptrdiff_t>(order[starts[p] + i] * count));
   });
   return features;
 }

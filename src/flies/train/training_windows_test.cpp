@@ -90,8 +90,8 @@ TEST(FeaturesOf, AreInTheOrderOfTheWindows) {
     pictures[static_cast<std::size_t>(i)].path = folder.file(std::to_string(i) + ".png");
     testing::write_picture(pictures[static_cast<std::size_t>(i)].path, testing::toy_background(200, 160, i));
   }
-  const std::vector<TrainingWindow> windows = {{1, false, {0, 0, 60, 120}}, {0, false, {0, 0, 60, 120}},
-                                               {1, false, {50, 9, 60, 120}}};
+  const std::vector<TrainingWindow> windows = {
+      {1, false, {0, 0, 60, 120}}, {0, false, {0, 0, 60, 120}}, {1, false, {50, 9, 60, 120}}};
   const Matrix features = features_of(pictures, windows, {});
   ASSERT_EQ(features.rows, 3U);
   for (std::size_t i = 0; i < 3; ++i) {

@@ -72,9 +72,9 @@ std::vector<JudgedWindow> first_few(std::vector<JudgedWindow> windows, const Bef
 
 }  // namespace
 
-void validate(const TrainingData& data, std::span<const std::uint32_t> people, std::span<const std::uint32_t> background,
-              std::uint32_t round, const TrainOptions& options, TrainingResult& result,
-              const std::function<void(std::size_t done, std::size_t total)>& progress) {
+void validate(const TrainingData& data, std::span<const std::uint32_t> people,
+              std::span<const std::uint32_t> background, std::uint32_t round, const TrainOptions& options,
+              TrainingResult& result, const std::function<void(std::size_t done, std::size_t total)>& progress) {
   PeopleModel& model = result.model;
   std::vector<Scored> people_scores, background_scores;
   std::vector<std::size_t> of_picture;  // background windows

@@ -10,12 +10,12 @@
 namespace flies {
 
 /// Judges `result.model` on pictures that it did not learn from: fits the calibration of its machines and its
-/// threshold, and fills in the validation part of the result. One picture is in memory at a time, and of each window its
-/// scores.
+/// threshold, and fills in the validation part of the result. One picture is in memory at a time, and of each window
+/// its scores.
 /// @param people, background indices of the pictures kept apart
 /// @param round              the background windows are those of this round
-void validate(const TrainingData& data, std::span<const std::uint32_t> people, std::span<const std::uint32_t> background,
-              std::uint32_t round, const TrainOptions& options, TrainingResult& result,
-              const std::function<void(std::size_t done, std::size_t total)>& progress);
+void validate(const TrainingData& data, std::span<const std::uint32_t> people,
+              std::span<const std::uint32_t> background, std::uint32_t round, const TrainOptions& options,
+              TrainingResult& result, const std::function<void(std::size_t done, std::size_t total)>& progress);
 
 }  // namespace flies
