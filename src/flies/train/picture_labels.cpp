@@ -52,9 +52,9 @@ PictureLabels parse_voc_labels(std::string_view xml, const std::string& source) 
     const std::string field = fmt::format("object {}", ++number);
     if (!is_one_of(detail::trimmed(object.child_value("name")), kVocPeople)) continue;
     const pugi::xml_node box = object.child("bndbox");
-    const ImageBox person =
-        box_between(coordinate(box, "xmin", source, field), coordinate(box, "ymin", source, field),
-                    coordinate(box, "xmax", source, field), coordinate(box, "ymax", source, field), source, field);
+    const auto value = [&](const char* name) { return coordinate(box, name, source, field); };
+    const double left = value("xmin"), top = value("ymin"), right = value("xmax"), bottom = value("ymax");
+    const ImageBox person = box_between(left, top, right, bottom, source, field);
     const auto is_set = [&](const char* flag) { return object.child(flag).text().as_int() != 0; };
     const bool is_clear = !is_set("difficult") && !is_set("truncated") && !is_set("occluded");
     (is_clear ? labels.people : labels.unclear).push_back(person);

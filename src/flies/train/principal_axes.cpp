@@ -1,6 +1,7 @@
 #include "flies/train/principal_axes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <opencv2/core.hpp>
@@ -13,7 +14,7 @@ namespace {
 constexpr std::uint32_t kFirstGuess = 0x9CA0;
 /// More axes than are wanted converge faster: the error shrinks by the ratio of the variances at both cuts.
 constexpr std::size_t kSpareAxes = 16;
-constexpr int kIterations = 12;
+constexpr int kIterations = 6;
 
 cv::Mat view(const Matrix& matrix) {
   return cv::Mat(static_cast<int>(matrix.rows), static_cast<int>(matrix.columns), CV_32F,
@@ -38,6 +39,32 @@ cv::Mat centred(const Matrix& rows, std::span<const float> mean) {
   return result;
 }
 
+/// rows^T * rows / count. A few rows at a time, along memory: `cv::mulTransposed` walks down the columns of a matrix
+/// that is far larger than the cache, and takes minutes.
+cv::Mat covariance_of(const cv::Mat& rows) {
+  constexpr int kAtATime = 8;
+  cv::Mat padded;  // rows of zeros add nothing
+  cv::copyMakeBorder(rows, padded, 0, (kAtATime - rows.rows % kAtATime) % kAtATime, 0, 0, cv::BORDER_CONSTANT, 0.0);
+  cv::Mat sum(rows.cols, rows.cols, CV_32F, cv::Scalar(0.0));
+  for (int first = 0; first < padded.rows; first += kAtATime) {
+    std::array<const float*, kAtATime> r{};
+    for (int i = 0; i < kAtATime; ++i) r[static_cast<std::size_t>(i)] = padded.ptr<float>(first + i);
+    for (int i = 0; i < rows.cols; ++i) {
+      float* to = sum.ptr<float>(i);
+      const float a = r[0][i], b = r[1][i], c = r[2][i], d = r[3][i], e = r[4][i], f = r[5][i], g = r[6][i],
+                  h = r[7][i];
+      for (int j = i; j < rows.cols; ++j)
+        to[j] += a * r[0][j] + b * r[1][j] + c * r[2][j] + d * r[3][j] + e * r[4][j] + f * r[5][j] + g * r[6][j] +
+                 h * r[7][j];
+    }
+  }
+  cv::completeSymm(sum);
+  sum /= rows.rows;
+  cv::Mat covariance;
+  sum.convertTo(covariance, CV_64F);
+  return covariance;
+}
+
 }  // namespace
 
 PrincipalAxes principal_axes(const Matrix& rows, std::size_t count, std::uint64_t seed) {
@@ -48,9 +75,7 @@ PrincipalAxes principal_axes(const Matrix& rows, std::size_t count, std::uint64_
     for (std::size_t k = 0; k < rows.columns; ++k) mean[k] += rows.row(i)[k];
   for (const double sum : mean) result.mean.push_back(static_cast<float>(sum / static_cast<double>(rows.rows)));
 
-  cv::Mat covariance;
-  cv::mulTransposed(centred(rows, result.mean), covariance, true, cv::noArray(), 1.0 / static_cast<double>(rows.rows),
-                    CV_64F);
+  const cv::Mat covariance = covariance_of(centred(rows, result.mean));
   const std::size_t wanted = std::min(count, rows.columns);
   const std::size_t sought = std::min(wanted + kSpareAxes, rows.columns);
   cv::Mat axes(static_cast<int>(sought), static_cast<int>(rows.columns), CV_64F);

@@ -47,14 +47,14 @@ class TrainPeople : public ::testing::Test {
 
 /// Share of new people and of new background that the model takes for people.
 std::pair<double, double> shares_taken(const PeopleModel& model) {
-  constexpr int kPictures = 20;
+  constexpr int kPictures = 40;
   int people = 0, background = 0;
   std::vector<float> features(feature_count(model.hog));
   for (int i = 0; i < kPictures; ++i) {
     for (const bool person : {true, false}) {
-      cv::Mat picture = testing::toy_background(64, 128, 5000 + i);
-      if (person) testing::draw_toy_person(picture, {32, 64}, 96);
-      window_features({picture.data, 64, 128, 64}, {0, 0, 64, 128}, model.hog, features);
+      cv::Mat picture = testing::toy_background(200, 160, 5000 + i);
+      if (person) testing::draw_toy_person(picture, {100, 80}, 96);
+      window_features({picture.data, 200, 160, 200}, {68, 16, 64, 128}, model.hog, features);
       (person ? people : background) += person_probability(model, features) > model.threshold;
     }
   }
