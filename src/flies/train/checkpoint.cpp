@@ -80,6 +80,9 @@ Checkpoint::Checkpoint(const fs::path& folder, const std::string& fingerprint)
           folder_.string(), "",
           "holds the state of a training with other pictures or options; remove it or name another folder");
     state.rounds_done = json.at("rounds_done").get<int>();
+    for (const auto& round : json.at("rounds"))
+      state.rounds.push_back(
+          {round.at(0).get<std::string>(), round.at(1).get<std::size_t>(), round.at(2).get<std::size_t>()});
     for (const auto& window : json.at("background")) state.background.push_back(window_of(window));
   } catch (const Json::exception&) {
     throw InputError(file.string(), "", "is damaged, expected the state of a training; remove it to start again");
@@ -95,8 +98,12 @@ void Checkpoint::save(TrainingState state) {
   if (error) throw InputError(folder_.string(), "", "cannot create the folder: " + error.message());
   Json windows = Json::array();
   for (const auto& window : state_.background) windows.push_back(json_of(window));
-  const Json json = {
-      {"fingerprint", fingerprint_}, {"rounds_done", state_.rounds_done}, {"background", std::move(windows)}};
+  Json rounds = Json::array();
+  for (const auto& round : state_.rounds) rounds.push_back({round.name, round.hard, round.learnt_from});
+  const Json json = {{"fingerprint", fingerprint_},
+                     {"rounds_done", state_.rounds_done},
+                     {"rounds", std::move(rounds)},
+                     {"background", std::move(windows)}};
   write_file((folder_ / kStateFile).string(), json.dump());
 }
 

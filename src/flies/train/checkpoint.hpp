@@ -11,10 +11,18 @@
 
 namespace flies {
 
+/// A round of hard windows.
+struct RoundSummary {
+  std::string name;             ///< "round 1", or "kept apart" for the pictures that were
+  std::size_t hard = 0;         ///< windows found
+  std::size_t learnt_from = 0;  ///< windows without people that the next machine learns from
+};
+
 /// How far a training has come: everything that cannot be computed again quickly and exactly.
 struct TrainingState {
   int rounds_done = 0;                     ///< rounds of hard windows, of both parts of the training
   std::vector<TrainingWindow> background;  ///< windows without people that the next machine learns from
+  std::vector<RoundSummary> rounds = {};   ///< for the report
 };
 
 /// Keeps the state of a training in a folder, so that it can go on after an interruption. The folder belongs to one

@@ -12,11 +12,16 @@ using ::testing::HasSubstr;
 TEST(Checkpoint, GivesBackWhatItWasGiven) {
   const testing::TemporaryFolder folder;
   const std::string work = folder.file("work");
-  const TrainingState state{2, {{3, true, {0.1, 1.0 / 3.0, 40.7, 81.4}}, {4, false, {1, 2, 3, 6}}}};
+  const TrainingState state{
+      2, {{3, true, {0.1, 1.0 / 3.0, 40.7, 81.4}}, {4, false, {1, 2, 3, 6}}}, {{"round 1", 9, 8}}};
   Checkpoint(work, "abc").save(state);
   Checkpoint again(work, "abc");
   EXPECT_EQ(again.state().rounds_done, 2);
   EXPECT_EQ(again.state().background, state.background);
+  ASSERT_EQ(again.state().rounds.size(), 1U);
+  EXPECT_EQ(again.state().rounds[0].name, "round 1");
+  EXPECT_EQ(again.state().rounds[0].hard, 9U);
+  EXPECT_EQ(again.state().rounds[0].learnt_from, 8U);
   again.remove();
   EXPECT_FALSE(std::filesystem::exists(work));
 }

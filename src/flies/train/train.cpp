@@ -102,6 +102,7 @@ Samples Training::learn_in_rounds(LinearStage& linear, TrainingResult& result) {
   say("people");
   Samples samples = people_samples(data_.people, parts_.people.learnt, hog_, options_);
   const bool goes_on = checkpoint_.state().rounds_done > 0;
+  result.rounds = checkpoint_.state().rounds;
   add_background(samples, data_.background,
                  goes_on ? checkpoint_.state().background : random_windows(data_, parts_.background.learnt, options_),
                  hog_);
@@ -117,7 +118,7 @@ Samples Training::learn_in_rounds(LinearStage& linear, TrainingResult& result) {
     const auto hard = hard_windows(parts_.background.learnt, linear, static_cast<std::uint32_t>(round), name);
     add_background(samples, data_.background, hard, hog_);
     result.rounds.push_back({name, hard.size(), samples.background.size()});
-    checkpoint_.save({round, samples.background});
+    checkpoint_.save({round, samples.background, result.rounds});
     linear = linear_machine(samples, name);
   }
   return samples;

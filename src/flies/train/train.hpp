@@ -26,13 +26,6 @@ struct JudgedWindow {
   double probability = 0.0;
 };
 
-/// A round of hard windows.
-struct RoundSummary {
-  std::string name;             ///< "round 1", or "kept apart" for the pictures that were
-  std::size_t hard = 0;         ///< windows found
-  std::size_t learnt_from = 0;  ///< windows without people that the next machine learns from
-};
-
 struct TrainingResult {
   PeopleModel model;
   std::size_t people = 0;  ///< windows with people that the machines learnt from, mirrored and jittered ones included

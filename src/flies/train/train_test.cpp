@@ -120,7 +120,7 @@ TEST_F(TrainPeople, LetsTheWantedShareThrough) {
   const TrainingResult result = train(options);
   std::size_t passed = 0, all = 0;
   for (const auto& picture : result.validation.negatives)
-    for (const float probability : picture) ++all, passed += probability > result.model.threshold;
+    for (const double probability : picture) ++all, passed += probability > result.model.threshold;
   EXPECT_EQ(all, 200U) << "two pictures of twelve, 100 windows each";
   EXPECT_LE(passed, 2U);
 }

@@ -74,7 +74,7 @@ std::string curves(const TrainingResult& result) {
   std::size_t passed = 0, all = 0;
   ScorePlot plot{"probability", {}, {}, result.model.threshold};
   for (const auto& picture : result.validation.negatives) {
-    for (const float probability : picture) {
+    for (const double probability : picture) {
       ++all;
       passed += probability > result.model.threshold;
       plot.negatives.push_back(probability);

@@ -97,13 +97,12 @@ void validate(const TrainingData& data, std::span<const std::uint32_t> people,
   fit_calibrations(people_scores, background_scores, options.rbf.reject_below, model);
 
   const auto judged_people = judged(people_scores, model), judged_background = judged(background_scores, model);
-  std::vector<float> all;
-  for (const auto& window : judged_background) all.push_back(static_cast<float>(window.probability));
+  std::vector<double> all;
+  for (const auto& window : judged_background) all.push_back(window.probability);
   if (!all.empty()) model.threshold = std::max(0.0, threshold_at(all, options.false_positive_rate));
 
   result.validation.positives = {{"kept apart", {}}};
-  for (const auto& window : judged_people)
-    result.validation.positives.front().scores.push_back(static_cast<float>(window.probability));
+  for (const auto& window : judged_people) result.validation.positives.front().scores.push_back(window.probability);
   auto next = all.begin();
   for (const std::size_t count : of_picture) {
     result.validation.negatives.emplace_back(next, next + static_cast<std::ptrdiff_t>(count));
