@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "flies/eval/people.hpp"
 #include "flies/train/training_windows.hpp"
 
 namespace flies {

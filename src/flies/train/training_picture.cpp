@@ -163,12 +163,4 @@ ImageBox window_around(const ImageBox& person, double person_share) {
           width_px, height_px};
 }
 
-double intersection_over_union(const ImageBox& a, const ImageBox& b) {
-  const double width = std::min(a.u_px + a.width_px, b.u_px + b.width_px) - std::max(a.u_px, b.u_px);
-  const double height = std::min(a.v_px + a.height_px, b.v_px + b.height_px) - std::max(a.v_px, b.v_px);
-  if (width <= 0.0 || height <= 0.0) return 0.0;
-  const double common = width * height;
-  return common / (a.width_px * a.height_px + b.width_px * b.height_px - common);
-}
-
 }  // namespace flies

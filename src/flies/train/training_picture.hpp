@@ -48,7 +48,4 @@ GrayImage load_picture(const TrainingPicture& picture);
 /// The window around a person: aspect 1:2, the person in its middle with this share of its height.
 ImageBox window_around(const ImageBox& person, double person_share);
 
-/// Intersection over union, 0 to 1.
-double intersection_over_union(const ImageBox& a, const ImageBox& b);
-
 }  // namespace flies

@@ -63,10 +63,5 @@ TEST_F(FindPeople, SaysWhatIsMissing) {
   EXPECT_THAT(fault_of({path("k")}), HasSubstr("found no picture '7'"));
 }
 
-TEST(IntersectionOverUnion, IsShareOfWhatBothCover) {
-  EXPECT_DOUBLE_EQ(intersection_over_union({0, 0, 2, 2}, {1, 0, 2, 2}), 1.0 / 3.0);
-  EXPECT_DOUBLE_EQ(intersection_over_union({0, 0, 2, 2}, {2, 0, 2, 2}), 0.0);
-}
-
 }  // namespace
 }  // namespace flies

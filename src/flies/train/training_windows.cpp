@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "flies/core/random.hpp"
+#include "flies/eval/people.hpp"
 #include "flies/eval/window_data.hpp"
 
 namespace flies {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "flies/eval/people.hpp"
 #include "flies/train/toy_pictures.hpp"
 
 namespace flies {
