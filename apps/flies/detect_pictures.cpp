@@ -35,7 +35,7 @@ flies::Population random_flies(const ProcessedFrame& frame, flies::FitnessFuncti
   evolve.generations = 0;
   evolve.steering_share = 0.0;
   evolve.informative_gray = 0.0;
-  evolve.alike_rows = 0.0;
+  evolve.scouts = 0;
   evolve.uniqueness.enforce = false;
   evolve.refine.share = 0.0;
   return flies::evolve(frame.pair, flies::Projection(frame.camera), frame.detection->road.plane, frame.options.field,
