@@ -94,8 +94,7 @@ void write_frame(const ProcessedFrame& frame, const std::string& name, const Det
 
 void run_detect(const DetectArguments& arguments) {
   const flies::DetectorOptions options = effective_options(arguments.method);
-  const auto classifier =
-      arguments.model.empty() ? flies::default_people_classifier() : flies::people_classifier(arguments.model);
+  const auto classifier = classifier_for(arguments.method.preset, arguments.model);
   const auto pairs = flies::find_pairs(arguments.left, arguments.right);
   const bool is_single = pairs.size() == 1;
   check_outputs(arguments.outputs, pairs, other_inputs(arguments));

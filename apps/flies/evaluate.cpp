@@ -73,8 +73,7 @@ std::vector<std::size_t> frames_of(const EvaluateArguments& arguments, std::size
 
 /// What is held against the method: a dense matcher, a search of the whole image for people, or another preset.
 flies::Method yardstick(const std::string& name, const flies::DetectorOptions& options,
-                        const EvaluateArguments& arguments,
-                        const std::shared_ptr<const flies::PeopleClassifier>& classifier, bool is_sequence) {
+                        const EvaluateArguments& arguments, bool is_sequence) {
   constexpr const auto& kMatchers = flies::EnumNames<flies::DenseMatcher>::names;
   constexpr const auto& kSearches = flies::EnumNames<flies::HogDetector>::names;
   constexpr const auto& kPresets = flies::EnumNames<flies::Preset>::names;
@@ -93,13 +92,12 @@ flies::Method yardstick(const std::string& name, const flies::DetectorOptions& o
   flies::DetectorOptions of_preset = flies::preset_options(static_cast<flies::Preset>(preset - kPresets.begin()));
   of_preset.seed = options.seed;
   of_preset.threads = options.threads;
-  return flies::flies_method(name, of_preset, arguments.seeds, classifier, is_sequence);
+  return flies::flies_method(name, of_preset, arguments.seeds, classifier_for(name, arguments.model), is_sequence);
 }
 
 std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const flies::DetectorOptions& options,
                                       const flies::Dataset& dataset) {
-  const auto classifier =
-      arguments.model.empty() ? flies::default_people_classifier() : flies::people_classifier(arguments.model);
+  const auto classifier = classifier_for(arguments.method.preset, arguments.model);
   std::vector<flies::Method> methods;
   if (arguments.detections.empty()) {
     methods.push_back(
@@ -111,7 +109,7 @@ std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const 
     methods.push_back(flies::reported_method("reported", std::move(runs)));
   }
   for (const auto& name : arguments.yardsticks)
-    methods.push_back(yardstick(name, options, arguments, classifier, dataset.is_sequence));
+    methods.push_back(yardstick(name, options, arguments, dataset.is_sequence));
   return methods;
 }
 

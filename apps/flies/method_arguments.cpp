@@ -26,6 +26,12 @@ void add_method_options(CLI::App& app, MethodArguments& arguments) {
   }
 }
 
+std::shared_ptr<const flies::PeopleClassifier> classifier_for(const std::string& preset, const std::string& model) {
+  if (!model.empty()) return flies::people_classifier(model);
+  if (preset == enum_name(flies::Preset::paper)) return flies::people_classifier("flies-48x96-linear");
+  return flies::default_people_classifier();
+}
+
 std::string preset_name(const flies::DetectorOptions& options) {
   for (const auto name : flies::EnumNames<flies::Preset>::names) {
     auto preset = flies::preset_options(flies::preset_named(name, "preset"));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +22,11 @@ void add_method_options(CLI::App& app, MethodArguments& arguments);
 /// Preset, then the YAML file, then the command line; the later one wins.
 /// @throws flies::InputError on an unknown preset, an unreadable file, an unknown option or a value out of range
 flies::DetectorOptions effective_options(const MethodArguments& arguments);
+
+/// What classifies people: the model of this name or file, or without one that of the preset. `paper` has the linear
+/// one.
+/// @throws flies::InputError as `flies::people_classifier`
+std::shared_ptr<const flies::PeopleClassifier> classifier_for(const std::string& preset, const std::string& model);
 
 /// The preset whose options these are, whatever seed and threads; "custom" when they are no preset's.
 std::string preset_name(const flies::DetectorOptions& options);

@@ -13,7 +13,7 @@
 namespace flies {
 
 struct ClassifyOptions {
-  double threshold_offset = 1.5;
+  double threshold_offset = 2.0;
   double lateral_radius_m = 0.4;
   double depth_radius = 0.15;
   double max_overlap = 0.6;

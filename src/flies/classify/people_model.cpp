@@ -131,11 +131,8 @@ std::span<const std::string_view> people_model_names() { return kNames; }
 
 PeopleModel people_model(std::string_view name_or_path) {
   if (name_or_path == kShipped) return shipped_people_model();
-  if (name_or_path == kShippedLinear) {
-    PeopleModel model = shipped_people_model();
-    model.kernel.reset();
-    return model;
-  }
+  if (name_or_path == kShippedLinear)
+    return parse_people_model(std::string(shipped_linear_model_text()), std::string(kShippedLinear));
   if (name_or_path == kOpencv48) return opencv_48x96();
   if (name_or_path == kOpencv64) return opencv_64x128();
   const std::string path(name_or_path);

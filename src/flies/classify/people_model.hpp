@@ -91,8 +91,8 @@ PeopleModel opencv_64x128();
 /// The model that comes with the library: models/people_48x96.json.
 PeopleModel shipped_people_model();
 
-/// Names of the models that need no file, the default first: `flies-48x96` (the shipped one), `flies-48x96-linear` (its
-/// first stage alone), `opencv-48x96`, `opencv-64x128`.
+/// Names of the models that need no file, the default first: `flies-48x96` (the shipped one), `flies-48x96-linear` (a
+/// linear machine alone, as the paper has it), `opencv-48x96`, `opencv-64x128`.
 std::span<const std::string_view> people_model_names();
 
 /// Finds a model by its name, or reads the file at this path.

@@ -1,28 +1,44 @@
 #include "flies/classify/shipped_model.hpp"
 
-// The assembler copies the file; as a literal or an array it would take the compiler minutes.
-// FLIES_SHIPPED_MODEL is set by CMake.
+// The assembler copies the files; as literals or arrays they would take the compiler minutes.
+// FLIES_SHIPPED_MODEL and FLIES_SHIPPED_LINEAR_MODEL are set by CMake.
 asm(R"(
   .pushsection .rodata
   .hidden flies_shipped_model
   .hidden flies_shipped_model_end
+  .hidden flies_shipped_linear_model
+  .hidden flies_shipped_linear_model_end
   .global flies_shipped_model
   .global flies_shipped_model_end
+  .global flies_shipped_linear_model
+  .global flies_shipped_linear_model_end
 flies_shipped_model:
   .incbin ")" FLIES_SHIPPED_MODEL R"("
 flies_shipped_model_end:
+flies_shipped_linear_model:
+  .incbin ")" FLIES_SHIPPED_LINEAR_MODEL R"("
+flies_shipped_linear_model_end:
   .popsection
 )");
 
 extern "C" {
-extern const char flies_shipped_model[];
-extern const char flies_shipped_model_end[];
+extern const char flies_shipped_model[], flies_shipped_model_end[];
+extern const char flies_shipped_linear_model[], flies_shipped_linear_model_end[];
 }
 
 namespace flies {
+namespace {
 
-std::string_view shipped_model_text() {
-  return {flies_shipped_model, static_cast<std::string_view::size_type>(flies_shipped_model_end - flies_shipped_model)};
+std::string_view between(const char* begin, const char* end) {
+  return {begin, static_cast<std::string_view::size_type>(end - begin)};
+}
+
+}  // namespace
+
+std::string_view shipped_model_text() { return between(flies_shipped_model, flies_shipped_model_end); }
+
+std::string_view shipped_linear_model_text() {
+  return between(flies_shipped_linear_model, flies_shipped_linear_model_end);
 }
 
 }  // namespace flies
