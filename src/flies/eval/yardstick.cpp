@@ -78,6 +78,7 @@ DenseDetection detect_densely(const RectifiedPair& pair, const StereoCamera& cam
   found.points = points.size();
   ConcentrateOptions concentrating = options.concentrate;
   concentrating.samples = std::max(concentrating.samples, dense.samples);
+  concentrating.assemble.min_score = dense.min_score;
   found.obstacles = concentrate(points, projection, road, options.field, concentrating).obstacles;
   found.concentrate_ms = lap_ms();
   return found;

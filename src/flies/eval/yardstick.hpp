@@ -28,12 +28,15 @@ struct EnumNames<DenseMatcher> {
 struct DenseOptions {
   int step_px = 4;  ///< pictures of 1242 x 375 px then give some thousand points in the field, as there are flies
   int samples = 2;
+  double min_score = 0.0035;
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("step_px", self.step_px, Range{1, 64}, "every so many matched pixels of every such row become a point");
     field("samples", self.samples, Range{1, 10},
           "least sample points per view-angle: points of equal weight hide far things behind near ones");
+    field("min_score", self.min_score, Range{0, 1e12},
+          "concentrate.assemble.min_score of dense points: they weigh 1, where fit flies weigh about 2");
   }
 };
 

@@ -70,6 +70,15 @@ TEST_P(DetectDensely, FindsABoardAtItsRange) {
   }
 }
 
+TEST_P(DetectDensely, HasALeastScoreOfItsOwn) {
+  // Points weigh 1: no obstacle has more than all of them.
+  options.concentrate.assemble.min_score = 2.0;
+  EXPECT_FALSE(detect_densely(pair.view(), camera(), GetParam(), options).obstacles.empty());
+  DenseOptions dense;
+  dense.min_score = 2.0;
+  EXPECT_TRUE(detect_densely(pair.view(), camera(), GetParam(), options, dense).obstacles.empty());
+}
+
 TEST_P(DetectDensely, GivesTheSameTwice) {
   const auto first = detect_densely(pair.view(), camera(), GetParam(), options);
   const auto second = detect_densely(pair.view(), camera(), GetParam(), options);
