@@ -83,8 +83,8 @@ void breed(const Scene& scene, const Brood& brood, std::size_t parents, double m
   }
   if (const auto spawned_end = std::min(end, parents + brood.spawned_end); i < spawned_end) {
     spawn(habitat, options, chance.range(i, spawned_end - i), i, flies);
-    if (options.scouts == 0) i = spawned_end;
-    for (; i < spawned_end; ++i) flies.set(i, scout(habitat, options.scouts, flies.point(i), chance.scouts().draws(i)));
+    scout(habitat, options.scouts, chance.scouts().range(i, spawned_end - i), i, flies);
+    i = spawned_end;
   }
   for (; i < end; ++i) {
     auto draws = chance.draws(i);

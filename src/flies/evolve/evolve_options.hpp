@@ -4,11 +4,9 @@
 #include <string_view>
 
 #include "flies/core/options.hpp"
+#include "flies/evolve/kernels/scouts.hpp"
 
 namespace flies {
-
-/// Bounds the memory of one birth.
-inline constexpr int kMaxScouts = 32;
 
 /// How the first flies and the immigrants are spread.
 enum class InitialDistribution {
@@ -63,7 +61,7 @@ struct MutationOptions {
 };
 
 struct RefineOptions {
-  double share = 0.3;
+  double share = 0.5;
   double step_px = 0.5;
 
   template <class Self, class Field>
@@ -74,11 +72,11 @@ struct RefineOptions {
 };
 
 struct EvolveOptions {
-  int flies = 8000;
-  int generations = 3;
+  int flies = 3000;
+  int generations = 1;
   InitialDistribution initial = InitialDistribution::ratios;
   double informative_gray = 12.0;
-  int scouts = 2;
+  int scouts = 16;
   double keep_share = 0.25;
   double crossover_share = 0.1;
   double immigration_share = 0.5;
@@ -97,9 +95,9 @@ struct EvolveOptions {
       "uniform in x, y and z");
     f("informative_gray", self.informative_gray, Range{0, 255},
       "first flies and immigrants are drawn again while grey levels beside their projection differ by less; 0 for off");
-    f("scouts", self.scouts, Range{0, kMaxScouts},
-      "other disparities tried for first flies and immigrants: the one whose single row of pixels matches best is "
-      "born");
+    f("scouts", self.scouts, Range{0, kernels::kMaxScouts},
+      "disparities tried for each first fly and immigrant: the one whose single row of pixels matches best is born; 0 "
+      "for no choice");
     f("keep_share", self.keep_share, Range{0, 1}, "share of the population that selection keeps");
     f("crossover_share", self.crossover_share, Range{0, 1}, "share of the children that are crossed");
     f("immigration_share", self.immigration_share, Range{0, 1}, "share of the children that are drawn anew");

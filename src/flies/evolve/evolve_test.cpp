@@ -88,6 +88,7 @@ double share_on_wall(const EvolveResult& result) {
 TEST(Evolve, GathersFliesOnTheSurface) {
   const Wall wall;
   auto options = small_options();
+  options.scouts = 0;  // evolution alone
   options.generations = 0;
   options.refine.share = 0.0;
   const auto spread = run(wall, options);

@@ -30,6 +30,22 @@ Habitat::Habitat(const Projection& projection, const RectifiedPair& pair, const 
   z_ = linear([](const Point3& p) { return p.z_m; });
   height_ = linear([&](const Point3& p) { return p.z_m - road.slope * p.x_m - road.bank * p.y_m; });
 
+  // A bound of the field, bound * q <= or >= coordinate, bounds q from one side, by its sign from the other.
+  const auto restrict_to = [&](double least, const Linear& coordinate, double most) {
+    const auto over = [&](double bound) {
+      return Linear{coordinate.constant / bound, coordinate.per_u / bound, coordinate.per_v / bound};
+    };
+    if (least > 0.0) most_q_.add(over(least));
+    if (least < 0.0) least_q_.add(over(least));
+    if (most > 0.0) least_q_.add(over(most));
+    if (most < 0.0) most_q_.add(over(most));
+  };
+  least_q_.add({far_q_px_, 0.0, 0.0});
+  most_q_.add({near_q_px_, 0.0, 0.0});
+  restrict_to(field.x_min_m, x_, field.x_max_m);
+  restrict_to(field.y_min_m, y_, field.y_max_m);
+  restrict_to(field.z_min_m - camera_above_road_m_, height_, field.z_max_m - camera_above_road_m_);
+
   for (std::size_t i = 0; i < q_at_ratios_.size(); ++i)
     q_at_ratios_[i] = static_cast<float>(far_q_px_ * std::pow(near_q_px_ / far_q_px_, static_cast<double>(i) / kSteps));
 }
@@ -44,27 +60,12 @@ bool Habitat::holds(const StereoPoint& fly) const {
                  (field_.z_max_m - camera_above_road_m_) * q);
 }
 
-Habitat::Ratios Habitat::ratios_at(double u_px, double v_px) const {
-  // Each bound of the field, bound * q <= or >= coordinate, bounds q from one side, by its sign from the other.
+Habitat::Sight Habitat::sight(double u_px, double v_px) const {
   const StereoPoint place{u_px, v_px, 0.0};
-  double low = far_q_px_, high = near_q_px_;
-  const auto restrict_to = [&](double least, const Linear& coordinate, double most) {
-    const double value = coordinate.at(place);
-    if (least > 0.0) high = std::min(high, value / least);
-    if (least < 0.0) low = std::max(low, value / least);
-    if (most > 0.0) low = std::max(low, value / most);
-    if (most < 0.0) high = std::min(high, value / most);
-  };
-  restrict_to(field_.x_min_m, x_, field_.x_max_m);
-  restrict_to(field_.y_min_m, y_, field_.y_max_m);
-  restrict_to(field_.z_min_m - camera_above_road_m_, height_, field_.z_max_m - camera_above_road_m_);
-  const auto ratio = [&](double q) {
-    const float steps =
-        std::log2(static_cast<float>(q / far_q_px_)) / std::log2(static_cast<float>(near_q_px_ / far_q_px_));
-    return std::clamp(static_cast<double>(steps), 0.0, 1.0);
-  };
-  if (!(low < high)) return {};
-  return {ratio(low), ratio(high)};
+  Sight sight{far_q_px_, near_q_px_};
+  for (const auto& bound : least_q()) sight.least_q_px = std::max(sight.least_q_px, bound.at(place));
+  for (const auto& bound : most_q()) sight.most_q_px = std::min(sight.most_q_px, bound.at(place));
+  return sight;
 }
 
 StereoPoint Habitat::at_height(double u_px, double height_m, double disparity_px) const {

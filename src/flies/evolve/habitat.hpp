@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "flies/core/field.hpp"
 #include "flies/core/gray_view.hpp"
@@ -32,11 +33,12 @@ class Habitat {
     return projection_.disparity_offset_px() + below + (place - static_cast<double>(step)) * (above - below);
   }
 
-  /// The ratios of the disparities that a fly may have at this place of the left image, 0 to 1. Equal when none.
-  struct Ratios {
-    double lowest = 0.0, highest = 0.0;
+  /// Between which nearnesses q > 0 a fly may be at this place of the left image; the least is not below the most when
+  /// it may be nowhere.
+  struct Sight {
+    double least_q_px = 0.0, most_q_px = 0.0;
   };
-  Ratios ratios_at(double u_px, double v_px) const;
+  Sight sight(double u_px, double v_px) const;
 
   /// Steps of the table behind `disparity_at_ratio`; it has an entry more on either side of the last step.
   static constexpr std::size_t kSteps = 256;
@@ -50,6 +52,20 @@ class Habitat {
     double constant = 0.0, per_u = 0.0, per_v = 0.0;
     double at(const StereoPoint& fly) const { return constant + per_u * fly.u_px + per_v * fly.v_px; }
   };
+
+  /// Nearnesses, each linear in the place, that q is not below, or not above: `sight` is the strictest of them.
+  class Bounds {
+   public:
+    void add(const Linear& bound) { bounds_[count_++] = bound; }
+    std::span<const Linear> all() const { return std::span(bounds_).first(count_); }
+
+   private:
+    std::array<Linear, 7> bounds_;  // one of its own, and two for each of three coordinates
+    std::size_t count_ = 0;
+  };
+  std::span<const Linear> least_q() const { return least_q_.all(); }
+  std::span<const Linear> most_q() const { return most_q_.all(); }
+
   const Linear& x() const { return x_; }            ///< forward
   const Linear& y() const { return y_; }            ///< to the left
   const Linear& height() const { return height_; }  ///< along the vertical, above the road's slope through the camera
@@ -70,6 +86,7 @@ class Habitat {
   double camera_above_road_m_;
   double far_q_px_, near_q_px_;
   std::array<float, kSteps + 2> q_at_ratios_;
+  Bounds least_q_, most_q_;
 };
 
 }  // namespace flies

@@ -1,13 +1,13 @@
 #include "flies/evolve/operators.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
 
-#include "flies/evolve/kernels/row_sums.hpp"
+#include "flies/evolve/kernels/scouts.hpp"
 #include "flies/evolve/kernels/spawn.hpp"
 
 namespace flies {
@@ -67,19 +67,24 @@ StereoPoint draw_fly(const Habitat& habitat, InitialDistribution distribution, c
 
 /// Standard deviation of image noise that rows are compared with, grey levels; keeps flat rows from looking alike.
 constexpr double kRowNoise_gray = 2.0;
+constexpr double kRowNoise = kernels::kRowColumns * kernels::kRowColumns * kRowNoise_gray * kRowNoise_gray;
 
-/// Covariance of the rows over the right one's standard deviation, squared but for its sign: orders rows that are held
+/// Covariance of two rows over the right one's standard deviation, squared but for its sign: orders rows that are held
 /// against the same left one as the correlation coefficient does.
-double likeness(const kernels::RowSums& left, const kernels::RowSums& right) {
-  constexpr double n = kernels::kRowColumns, kNoise = n * n * kRowNoise_gray * kRowNoise_gray;
-  const double covariance = n * right.products - static_cast<double>(left.right) * right.right;
-  const double variance = n * right.squares - static_cast<double>(right.right) * right.right;
-  return covariance * std::abs(covariance) / (variance + kNoise);
+double likeness(const std::uint8_t* left, const std::uint8_t* right) {
+  constexpr int n = kernels::kRowColumns;
+  const int left_sum = std::accumulate(left, left + n, 0), right_sum = std::accumulate(right, right + n, 0);
+  const double covariance = n * std::inner_product(left, left + n, right, 0) - left_sum * right_sum;
+  const double variance = n * std::inner_product(right, right + n, right, 0) - right_sum * right_sum;
+  return covariance * std::abs(covariance) / (variance + kRowNoise);
+}
+
+kernels::Linear single(const Habitat::Linear& l) {
+  return {static_cast<float>(l.constant), static_cast<float>(l.per_u), static_cast<float>(l.per_v)};
 }
 
 kernels::SpawnSearch spawn_search(const Habitat& habitat, const EvolveOptions& options) {
   const auto f = [](double value) { return static_cast<float>(value); };
-  const auto linear = [&](const Habitat::Linear& l) { return kernels::Linear{f(l.constant), f(l.per_u), f(l.per_v)}; };
   const auto& field = habitat.field();
   const auto& height = habitat.height();
   const double infinity_px = habitat.projection().disparity_offset_px();
@@ -96,8 +101,8 @@ kernels::SpawnSearch spawn_search(const Habitat& habitat, const EvolveOptions& o
           .v_per_q = f(-habitat.camera_above_road_m() / height.per_v),
           .v_constant = f(-height.constant / height.per_v),
           .v_per_u = f(-height.per_u / height.per_v),
-          .x = linear(habitat.x()),
-          .y = linear(habitat.y()),
+          .x = single(habitat.x()),
+          .y = single(habitat.y()),
           .x_min_m = f(field.x_min_m),
           .x_max_m = f(field.x_max_m),
           .y_min_m = f(field.y_min_m),
@@ -153,44 +158,49 @@ void spawn(const Habitat& habitat, const EvolveOptions& options, const FlyRange&
 StereoPoint scout(const Habitat& habitat, int scouts, const StereoPoint& fly, FlyDraws draws) {
   constexpr int kReach_px = kernels::kRowColumns / 2;
   const auto& [left_image, right_image] = habitat.pair();
-  const auto column = [](double u_px) { return static_cast<int>(u_px + 0.5) - kReach_px; };
-  const int last_column = left_image.width_px - kernels::kRowColumns;
-  if (scouts == 0 || !habitat.holds(fly)) return fly;
-  const int row = static_cast<int>(fly.v_px + 0.5), left_column = column(fly.u_px);
-  // The pixels behind a row that are read with it belong to the row below, so there must be one.
-  if (left_column < 0 || left_column > last_column || row + 1 >= left_image.height_px) return fly;
+  const auto nearest = [](double coordinate_px) { return static_cast<int>(std::floor(coordinate_px + 0.5)); };
+  const auto fits = [&](int column) { return column >= 0 && column <= left_image.width_px - kernels::kRowColumns; };
+  const int column = nearest(fly.u_px) - kReach_px, row = nearest(fly.v_px);
+  // Vectors read some pixels behind a row, so there must be one below.
+  if (!fits(column) || fly.v_px < 0.0 || row + 1 >= left_image.height_px) return fly;
+  const auto [least_q, most_q] = habitat.sight(fly.u_px, fly.v_px);
+  if (!(least_q < most_q)) return fly;
 
-  std::array<double, kMaxScouts + 1> disparities_px;
-  std::array<const std::uint8_t*, kMaxScouts + 2> rows;
-  const std::uint8_t* left = left_image.row(row) + left_column;
-  rows[0] = left;
-  std::size_t count = 0;
-  const auto add = [&](double disparity_px) {
-    const double u_right_px = fly.u_px - disparity_px;
-    if (u_right_px < kReach_px || column(u_right_px) > last_column) return;
-    disparities_px[count++] = disparity_px;
-    rows[count] = right_image.row(row) + column(u_right_px);
-  };
-  add(fly.disparity_px);
-  const auto [lowest, highest] = habitat.ratios_at(fly.u_px, fly.v_px);
-  RandomWords words{};
-  for (int i = 0; i < scouts; ++i) {
-    const auto word = static_cast<std::size_t>(i) % words.size();
-    if (word == 0) words = draws.next();
-    add(habitat.disparity_at_ratio(uniform(words[word], lowest, highest)));
-  }
-
-  std::array<kernels::RowSums, kMaxScouts + 2> sums;
-  kernels::sum_rows(left, std::span(rows).first(count + 1), sums.data());
+  const double place = draws.next()[0] * 0x1p-32;
   StereoPoint best = fly;
   double best_likeness = -std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < count; ++i) {
-    const double found = likeness(sums[0], sums[i + 1]);
+  for (int step = 0; step < scouts; ++step) {
+    const double q = least_q * std::pow(most_q / least_q, (step + place) / scouts);
+    const double disparity_px = habitat.projection().disparity_offset_px() + q;
+    const int right_column = nearest(fly.u_px - disparity_px - kReach_px);
+    if (fly.u_px - disparity_px < kReach_px || !fits(right_column)) continue;
+    const double found = likeness(left_image.row(row) + column, right_image.row(row) + right_column);
     if (found <= best_likeness) continue;
     best_likeness = found;
-    best.disparity_px = disparities_px[i];
+    best.disparity_px = disparity_px;
   }
   return best;
+}
+
+void scout(const Habitat& habitat, int scouts, const FlyRange& range, std::size_t begin, ImagePopulation& flies) {
+  if (scouts == 0) return;
+  const auto in_single = [](std::span<const Habitat::Linear> all) {
+    kernels::LinearBounds bounds;
+    for (const auto& bound : all) bounds.add(single(bound));
+    return bounds;
+  };
+  const kernels::ScoutSearch search = {.left = habitat.pair().left,
+                                       .right = habitat.pair().right,
+                                       .infinity_px = static_cast<float>(habitat.projection().disparity_offset_px()),
+                                       .farthest = in_single(habitat.least_q()),
+                                       .nearest = in_single(habitat.most_q()),
+                                       .scouts = scouts,
+                                       .noise = static_cast<float>(kRowNoise),
+                                       .seed = range.seed,
+                                       .purpose = range.purpose,
+                                       .generation = range.generation};
+  kernels::scout_flies(search, range.first, range.count, flies.u_px.data() + begin, flies.v_px.data() + begin,
+                       flies.disparity_px.data() + begin);
 }
 
 StereoPoint mutate(const Habitat& habitat, const MutationOptions& options, double scale, const StereoPoint& parent,

@@ -35,10 +35,14 @@ struct FlyRange {
 void spawn(const Habitat& habitat, const EvolveOptions& options, const FlyRange& range, std::size_t begin,
            ImagePopulation& flies);
 
-/// Scouting: of `fly` and `scouts` others on the same line of sight, their disparities drawn at equal ratios over what
-/// the habitat holds, the one whose row of pixels looks most alike in both images. A row costs a small part of what a
-/// fitness does. The fly itself when its row leaves the left image.
+/// Scouting: of `scouts` places on the fly's line of sight, the one whose row of pixels correlates best in both images.
+/// The disparities that the habitat holds there are divided into steps of equal ratio, and each has its place at the
+/// same random share of its step. A row costs a small part of what a fitness does.
+/// @returns the fly itself when its row leaves the left image or the habitat holds no disparity
 StereoPoint scout(const Habitat& habitat, int scouts, const StereoPoint& fly, FlyDraws draws);
+
+/// `scout` for the flies [begin, begin + range.count), in single precision and vectors.
+void scout(const Habitat& habitat, int scouts, const FlyRange& range, std::size_t begin, ImagePopulation& flies);
 
 /// Mutation: the parent moved by normal deviates in the left image and in disparity, `scale` times the options'.
 /// A child outside the habitat is drawn again a few times, then the parent is returned.

@@ -84,19 +84,18 @@ TEST_F(OperatorsTest, SpawnInRatiosGivesEveryDistanceItsShare) {
   EXPECT_NEAR(nearer, kDraws / 2, 80 + kDraws / 50);
 }
 
-TEST_F(OperatorsTest, RatiosAreThoseOfTheDisparitiesThatHold) {
+TEST_F(OperatorsTest, SightIsBetweenTheDisparitiesThatHold) {
   const auto everywhere = habitat();
   for (const auto& [u_px, v_px] : {std::pair(320.0, 250.0), std::pair(40.0, 300.0), std::pair(600.0, 330.0)}) {
-    const auto [lowest, highest] = everywhere.ratios_at(u_px, v_px);
-    ASSERT_LT(lowest, highest);
-    for (double ratio = 0.0; ratio <= 1.0; ratio += 0.01) {
-      if (std::abs(ratio - lowest) < 0.005 || std::abs(ratio - highest) < 0.005) continue;
-      EXPECT_EQ(everywhere.holds({u_px, v_px, everywhere.disparity_at_ratio(ratio)}), ratio > lowest && ratio < highest)
-          << u_px << ' ' << ratio;
-    }
+    const auto [least_q_px, most_q_px] = everywhere.sight(u_px, v_px);
+    ASSERT_LT(least_q_px, most_q_px);
+    for (const double q_px : {0.99 * least_q_px, 1.01 * least_q_px, 0.99 * most_q_px, 1.01 * most_q_px})
+      EXPECT_EQ(everywhere.holds({u_px, v_px, everywhere.projection().disparity_offset_px() + q_px}),
+                q_px > least_q_px && q_px < most_q_px)
+          << u_px << ' ' << q_px;
   }
-  const auto sky = everywhere.ratios_at(320, 0);
-  EXPECT_EQ(sky.lowest, sky.highest);
+  const auto sky = everywhere.sight(320, 0);
+  EXPECT_GE(sky.least_q_px, sky.most_q_px);
 }
 
 TEST_F(OperatorsTest, ScoutFindsTheDisparityWhoseRowMatches) {
@@ -111,8 +110,7 @@ TEST_F(OperatorsTest, ScoutFindsTheDisparityWhoseRowMatches) {
   const Habitat in_stripes(Projection(camera()), pair, {}, {});
   int found = 0;
   for (int i = 0; i < kDraws; ++i) {
-    EXPECT_EQ(scout(in_stripes, kMaxScouts, {300, 270, 20}, draws(i)).disparity_px, 20);
-    const auto best = scout(in_stripes, kMaxScouts, {300, 270, 15}, draws(i));
+    const auto best = scout(in_stripes, kernels::kMaxScouts, {300, 270, 15}, draws(i));
     found += std::abs(best.disparity_px - 20.0) <= 0.5;
     EXPECT_TRUE(in_stripes.holds(best));
     EXPECT_EQ(best.u_px, 300);
