@@ -1,46 +1,11 @@
+#include "flies/concentrate/assemble.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <span>
-#include <utility>
-
-#include "flies/concentrate/concentrate.hpp"
-#include "flies/concentrate/object_parts.hpp"
+#include <tuple>
 
 namespace flies {
 namespace {
-
-/// Gives every fly to the nearest kept candidate within reach. @returns the candidates that got any
-std::vector<Part> divide_flies(const std::vector<Candidate>& candidates, const std::vector<DroppedFly>& dropped,
-                               std::span<const Echo> echoes, const ConcentrateOptions& options) {
-  std::vector<Candidate> kept;
-  for (const auto& candidate : candidates)
-    if (candidate.kept) kept.push_back(candidate);
-  // Sorted by column, those within reach of a fly follow each other.
-  std::stable_sort(kept.begin(), kept.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.pixel.u_px < b.pixel.u_px; });
-  const double reach_px = options.assemble.radius_bandwidths * options.bandwidth_px;
-  std::vector<std::vector<std::size_t>> members(kept.size());
-  for (std::size_t i = 0; i < dropped.size(); ++i) {
-    const auto& [pixel, fitness] = dropped[i];
-    if (!(fitness > 0.0)) continue;
-    double nearest_px2 = reach_px * reach_px;
-    std::optional<std::size_t> owner;
-    auto candidate = std::lower_bound(kept.begin(), kept.end(), pixel.u_px - reach_px,
-                                      [](const Candidate& c, double u_px) { return c.pixel.u_px < u_px; });
-    for (; candidate != kept.end() && candidate->pixel.u_px <= pixel.u_px + reach_px; ++candidate) {
-      const double du = pixel.u_px - candidate->pixel.u_px, dv = pixel.v_px - candidate->pixel.v_px;
-      if (du * du + dv * dv > nearest_px2) continue;
-      nearest_px2 = du * du + dv * dv;
-      owner = static_cast<std::size_t>(candidate - kept.begin());
-    }
-    if (owner) members[*owner].push_back(i);
-  }
-  std::vector<Part> parts;
-  for (std::size_t k = 0; k < kept.size(); ++k)
-    if (!members[k].empty()) parts.push_back(make_part(std::move(members[k]), kept[k], echoes, options.assemble));
-  return parts;
-}
 
 double score(const Part& part, std::size_t population) { return part.fitness / static_cast<double>(population); }
 
@@ -53,7 +18,7 @@ bool rises_from_road(const Part& part, const Projection& projection, const Assem
 /// Big enough, and seen by enough flies, to be more than a false match.
 bool is_supported(const Part& part, std::size_t population, const AssembleOptions& options) {
   const double covered_m = std::max(part.extent.width_m(), part.extent.top_m - part.extent.bottom_m);
-  return score(part, population) >= options.min_score && static_cast<int>(part.members.size()) >= options.min_flies &&
+  return score(part, population) >= options.min_score && static_cast<int>(part.flies) >= options.min_flies &&
          covered_m >= options.min_extent_m;
 }
 
@@ -90,26 +55,67 @@ Obstacle make_obstacle(const Part& part, std::size_t population, const Projectio
 
 }  // namespace
 
-Assembly assemble_obstacles(const std::vector<Candidate>& candidates, const Population& flies,
-                            const std::vector<DroppedFly>& dropped, const Projection& projection, const RoadPlane& road,
-                            const ConcentrateOptions& options) {
-  const auto echoes = measure_echoes(flies, road);
-  auto parts = divide_flies(candidates, dropped, echoes, options);
-  std::erase_if(parts, [&](const Part& part) { return !rises_from_road(part, projection, options.assemble); });
-  if (options.assemble.merge) parts = join_parts(std::move(parts), echoes, options.assemble);
-  std::erase_if(parts, [&](const Part& part) { return !is_supported(part, flies.size(), options.assemble); });
+void Assembler::reserve(std::size_t flies, std::size_t candidates) {
+  kept_.reserve(candidates);
+  nearest_px2_.reserve(flies);
+  nearest_.reserve(flies);
+  owner_.reserve(flies);
+  parts_.reserve(flies, candidates);
+  found_.reserve(candidates);
+}
 
-  Assembly result{{}, std::vector<int>(flies.size(), -1)};
-  std::vector<std::pair<Obstacle, const Part*>> found;
-  for (const auto& part : parts)
-    found.emplace_back(make_obstacle(part, flies.size(), projection, road, options.assemble), &part);
-  std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.first.range_m < b.first.range_m; });
-  for (const auto& [obstacle, part] : found) {
-    for (const auto i : part->members) result.obstacle_of_fly[i] = static_cast<int>(result.obstacles.size());
-    result.obstacles.push_back(obstacle);
+void Assembler::choose_candidates(std::span<const Candidate> candidates) {
+  kept_.clear();
+  for (const auto& candidate : candidates)
+    if (candidate.kept) kept_.push_back(candidate);
+  std::sort(kept_.begin(), kept_.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tie(a.pixel.u_px, a.pixel.v_px) < std::tie(b.pixel.u_px, b.pixel.v_px);
+  });
+}
+
+void Assembler::divide_flies(std::size_t flies, const PixelGrid& grid, double reach_px) {
+  nearest_px2_.assign(grid.size(), reach_px * reach_px);
+  nearest_.assign(grid.size(), kNone);
+  for (std::uint32_t k = 0; k < kept_.size(); ++k) {
+    const PixelPoint& p = kept_[k].pixel;
+    grid.near(p, reach_px).for_each([&](std::size_t place, double u_px, double v_px) {
+      const double du = u_px - p.u_px, dv = v_px - p.v_px;
+      const double px2 = du * du + dv * dv;
+      const bool is_nearest = px2 <= nearest_px2_[place];
+      nearest_px2_[place] = is_nearest ? px2 : nearest_px2_[place];
+      nearest_[place] = is_nearest ? k : nearest_[place];
+    });
   }
-  return result;
+  owner_.assign(flies, kNone);
+  for (std::size_t place = 0; place < grid.size(); ++place) owner_[grid.index(place)] = nearest_[place];
+}
+
+void Assembler::assemble(std::span<const Candidate> candidates, const Sightings& flies, const PixelGrid& grid,
+                         std::size_t population, const Projection& projection, const RoadPlane& road,
+                         const ConcentrateOptions& options, std::vector<Obstacle>& obstacles,
+                         std::vector<int>& obstacle_of_fly) {
+  const auto& assembling = options.assemble;
+  choose_candidates(candidates);
+  divide_flies(flies.size(), grid, assembling.radius_bandwidths * options.bandwidth_px);
+  parts_.gather(flies, kept_, owner_, assembling.near_quantile);
+  auto& parts = parts_.parts();
+  std::erase_if(parts, [&](const Part& part) { return !rises_from_road(part, projection, assembling); });
+  if (assembling.merge) parts_.join(assembling);
+  std::erase_if(parts, [&](const Part& part) { return !is_supported(part, population, assembling); });
+
+  found_.clear();
+  for (const auto& part : parts)
+    found_.emplace_back(make_obstacle(part, population, projection, road, assembling), &part);
+  std::sort(found_.begin(), found_.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.first.range_m, a.second) < std::tie(b.first.range_m, b.second);
+  });
+  obstacles.clear();
+  obstacle_of_fly.assign(population, -1);
+  for (const auto& [obstacle, part] : found_) {
+    parts_.for_each_fly(*part,
+                        [&](std::uint32_t i) { obstacle_of_fly[flies.fly[i]] = static_cast<int>(obstacles.size()); });
+    obstacles.push_back(obstacle);
+  }
 }
 
 }  // namespace flies

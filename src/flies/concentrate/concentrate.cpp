@@ -2,57 +2,76 @@
 
 #include <algorithm>
 
+#include "flies/concentrate/kernels/kernel_sums.hpp"
+#include "flies/concentrate/steps.hpp"
+
 namespace flies {
 namespace {
 
-/// Flies outside the field (crossover may have borne them there) say nothing about obstacles: without fitness they
-/// take part in nothing that follows.
-Population silence_outsiders(Population flies, const RoadPlane& road, const FieldOptions& field) {
-  for (std::size_t i = 0; i < flies.size(); ++i)
-    if (!in_field(field, road, flies.point(i))) flies.fitness[i] = 0.0F;
-  return flies;
-}
-
-std::vector<PixelPoint> project_samples(const std::vector<ViewAngle>& views, const Projection& projection,
-                                        const RoadPlane& road) {
-  std::vector<PixelPoint> pixels;
+void project_samples(const std::vector<ViewAngle>& views, const Projection& projection, const RoadPlane& road,
+                     std::vector<ShiftedPoint>& points) {
+  points.clear();
   for (const auto& view : views)
     for (const auto& sample : view.samples) {
       const auto image = projection.project({sample.x_m, sample.y_m, road.z_m(sample.x_m, sample.y_m)});
-      pixels.push_back({image.u_px, image.v_px});
+      points.push_back({.start = {image.u_px, image.v_px}, .end = {}});
     }
-  return pixels;
 }
 
-std::vector<Candidate> judge(const std::vector<PixelPoint>& centres, const std::vector<double>& density,
-                             const Projection& projection, const RoadPlane& road, const ConcentrateOptions& options) {
+void judge(const std::vector<PixelPoint>& centres, const std::vector<double>& density, const Projection& projection,
+           const RoadPlane& road, const ConcentrateOptions& options, std::vector<Candidate>& candidates) {
   const double strongest = density.empty() ? 0.0 : *std::max_element(density.begin(), density.end());
   const double least = std::max(options.min_density, options.min_density_share * strongest);
-  std::vector<Candidate> candidates;
+  candidates.clear();
   for (std::size_t i = 0; i < centres.size(); ++i) {
     const Point3 ground = projection.meet_road(centres[i].u_px, centres[i].v_px, road);
     candidates.push_back({centres[i], {ground.x_m, ground.y_m}, density[i], density[i] > 0.0 && density[i] >= least});
   }
-  return candidates;
 }
 
 }  // namespace
 
-ConcentrateResult concentrate(const Population& all_flies, const Projection& projection, const RoadPlane& road,
+/// Room for every fly to have a say and for every sample point to become an obstacle.
+void Concentrator::reserve(std::size_t flies, const ConcentrateOptions& options) {
+  sighter_.reserve(flies);
+  sightings_.reserve(flies);
+  dropped_.reserve(flies);
+  grid_.reserve(flies);
+  result_.obstacle_of_fly.reserve(flies);
+  const std::size_t points = count_view_angles(options) * static_cast<std::size_t>(options.samples);
+  result_.shifted.reserve(points);
+  ends_.reserve(points);
+  clustering_.reserve(points);
+  density_.reserve(points);
+  result_.candidates.reserve(points);
+  assembler_.reserve(flies, points);
+  result_.obstacles.reserve(points);
+}
+
+const ConcentrateResult& Concentrator::concentrate(const Population& flies, const Projection& projection,
+                                                   const RoadPlane& road, const FieldOptions& field,
+                                                   const ConcentrateOptions& options) {
+  auto& [axis, view_angles, shifted, candidates, obstacles, obstacle_of_fly] = result_;
+  reserve(flies.size(), options);
+  sighter_.sight(flies, road, field, sightings_);
+  sample_histograms(sightings_, field, options, fullest_, axis, view_angles);
+  drop_flies(sightings_, projection, road, dropped_);
+  grid_.fill(dropped_, kernels::kKernelReach * options.bandwidth_px);
+  project_samples(view_angles, projection, road, shifted);
+  shift_means(grid_, options, shifted);
+  ends_.clear();
+  for (const auto& point : shifted) ends_.push_back(point.end);
+  const auto& centres = clustering_.cluster(ends_, options.bandwidth_px);
+  find_density(centres, grid_, flies.size(), options.bandwidth_px, density_);
+  judge(centres, density_, projection, road, options, candidates);
+  assembler_.assemble(candidates, sightings_, grid_, flies.size(), projection, road, options, obstacles,
+                      obstacle_of_fly);
+  return result_;
+}
+
+ConcentrateResult concentrate(const Population& flies, const Projection& projection, const RoadPlane& road,
                               const FieldOptions& field, const ConcentrateOptions& options) {
-  const auto flies = silence_outsiders(all_flies, road, field);
-  auto sampling = sample_histograms(flies, field, options);
-  const auto dropped = drop_flies(flies, projection, road);
-  const auto starts = project_samples(sampling.view_angles, projection, road);
-  auto shifted = shift_means(starts, dropped, options);
-  std::vector<PixelPoint> ends;
-  for (const auto& point : shifted) ends.push_back(point.end);
-  const auto centres = cluster_points(ends, options.bandwidth_px);
-  const auto density = fitness_density(centres, dropped, options.bandwidth_px);
-  auto candidates = judge(centres, density, projection, road, options);
-  auto assembly = assemble_obstacles(candidates, flies, dropped, projection, road, options);
-  return {sampling.axis,         std::move(sampling.view_angles), std::move(shifted),
-          std::move(candidates), std::move(assembly.obstacles),   std::move(assembly.obstacle_of_fly)};
+  return Concentrator().concentrate(flies, projection, road, field, options);
 }
 
 }  // namespace flies

@@ -1,77 +1,48 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
+#include "flies/concentrate/assemble.hpp"
+#include "flies/concentrate/clustering.hpp"
 #include "flies/concentrate/concentrate_options.hpp"
+#include "flies/concentrate/concentrate_result.hpp"
+#include "flies/concentrate/pixel_grid.hpp"
+#include "flies/concentrate/sightings.hpp"
 #include "flies/core/field.hpp"
 #include "flies/core/fly.hpp"
-#include "flies/core/results.hpp"
 #include "flies/core/road.hpp"
 #include "flies/core/stereo_camera.hpp"
 
 namespace flies {
 
-/// A point on the ground of the vehicle frame.
-struct GroundPoint {
-  double x_m = 0.0;
-  double y_m = 0.0;
-};
-
-/// A point of the left image.
-struct PixelPoint {
-  double u_px = 0.0;
-  double v_px = 0.0;
-};
-
-/// A fly dropped to the ground and projected onto the left image (METHOD 4.2), the element of the mean shift.
-struct DroppedFly {
-  PixelPoint pixel;
-  double fitness = 0.0;
-};
-
-/// A view-angle of the histogram based sampling, its histogram and its sample points (METHOD 4.1).
-struct ViewAngle {
-  double min_azimuth_rad = 0.0;  ///< its right edge; azimuth = atan2(y, x), positive to the left
-  double max_azimuth_rad = 0.0;
-  std::vector<double> votes;         ///< summed fitness per interval of x, see `HistogramAxis`
-  std::vector<GroundPoint> samples;  ///< centres of the fullest intervals, on the view-angle's axis; fullest first
-};
-
-/// The intervals along x shared by all view-angles: interval k covers [min + k * bin, min + (k + 1) * bin).
-struct HistogramAxis {
-  double min_m = 0.0;
-  double bin_m = 0.5;
-  int bins = 0;
-};
-
-/// One sample point on its way through the mean shift (METHOD 4.2), in the left image.
-struct ShiftedPoint {
-  PixelPoint start;
-  PixelPoint end;
-};
-
-/// A cluster of shifted points (METHOD 4.3) and what became of it.
-struct Candidate {
-  PixelPoint pixel;      ///< centre of the cluster in the left image (ground-dropped projection)
-  GroundPoint ground;    ///< the same re-projected to the ground (METHOD 4.5)
-  double density = 0.0;  ///< fitness density at the centre (METHOD 4.4)
-  bool kept = false;     ///< false: discarded for its low density
-};
-
-/// Everything the concentrating step found, with all that is needed to draw and test it.
-struct ConcentrateResult {
-  HistogramAxis axis;
-  std::vector<ViewAngle> view_angles;
-  std::vector<ShiftedPoint> shifted;
-  std::vector<Candidate> candidates;
-  std::vector<Obstacle> obstacles;   ///< nearest first
-  std::vector<int> obstacle_of_fly;  ///< per fly: index into `obstacles`, or -1
-};
-
 /// Condenses flies into obstacles (METHOD section "Concentrating"): the sum of the steps below.
 /// @param flies scored flies; those outside the field of detection have no say
 ConcentrateResult concentrate(const Population& flies, const Projection& projection, const RoadPlane& road,
                               const FieldOptions& field, const ConcentrateOptions& options);
+
+/// The same for pair after pair. Keeps memory and nothing else from call to call: once it has seen a population of the
+/// size, it allocates no more while the options stay.
+class Concentrator {
+ public:
+  /// @returns a result that is valid until the next call
+  const ConcentrateResult& concentrate(const Population& flies, const Projection& projection, const RoadPlane& road,
+                                       const FieldOptions& field, const ConcentrateOptions& options);
+
+ private:
+  void reserve(std::size_t flies, const ConcentrateOptions& options);
+
+  FlySighter sighter_;
+  Sightings sightings_;
+  std::vector<int> fullest_;
+  std::vector<DroppedFly> dropped_;
+  PixelGrid grid_;
+  std::vector<PixelPoint> ends_;
+  Clustering clustering_;
+  std::vector<double> density_;
+  Assembler assembler_;
+  ConcentrateResult result_;
+};
 
 /// Step 1. Histogram based sampling: per view-angle of `view_angle_deg` a histogram of the flies over x, votes weighted
 /// by fitness; the fullest intervals give the sample points.
@@ -96,15 +67,5 @@ std::vector<PixelPoint> cluster_points(const std::vector<PixelPoint>& points, do
 /// Step 4. Fitness density (1/n) sum f(p_i) exp(-|p_i - p|^2 / 2h^2) at each point.
 std::vector<double> fitness_density(const std::vector<PixelPoint>& points, const std::vector<DroppedFly>& flies,
                                     double bandwidth_px);
-
-/// Step 6, ours: gives each kept candidate its flies, measures position and size from them, and joins candidates that
-/// are parts of one object. Fills `obstacles` and `obstacle_of_fly`.
-struct Assembly {
-  std::vector<Obstacle> obstacles;
-  std::vector<int> obstacle_of_fly;
-};
-Assembly assemble_obstacles(const std::vector<Candidate>& candidates, const Population& flies,
-                            const std::vector<DroppedFly>& dropped, const Projection& projection, const RoadPlane& road,
-                            const ConcentrateOptions& options);
 
 }  // namespace flies

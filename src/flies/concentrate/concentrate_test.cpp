@@ -4,9 +4,24 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <new>
 #include <vector>
 
 #include "flies/core/random.hpp"
+
+namespace {
+std::size_t allocations = 0;
+}  // namespace
+
+// Counts what this program allocates; the sized and array forms of the library come down to these.
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace flies {
 namespace {
@@ -312,6 +327,53 @@ TEST(Concentrate, SortsObstaclesByRange) {
   ASSERT_EQ(obstacles.size(), 3U);
   EXPECT_LT(obstacles[0].range_m, obstacles[1].range_m);
   EXPECT_LT(obstacles[1].range_m, obstacles[2].range_m);
+}
+
+TEST(Concentrate, TakesViewAnglesBeyondARightAngle) {
+  Population flies;
+  add_board(flies, 12.0, 3.0, 0.8, 1.7, 200);
+  ConcentrateOptions wide;
+  wide.half_field_deg = 89.0;
+  wide.view_angle_deg = 30.0;  // six of them end at 91 degrees
+  EXPECT_EQ(run(flies, wide).obstacles.size(), 1U);
+}
+
+/// A street with more on it from pair to pair, and the same number of flies.
+Population street(int pair) {
+  constexpr int kFlies = 2000, kFliesABoard = 150;
+  const int boards = 3 + pair;
+  Population flies;
+  for (int k = 0; k < boards; ++k)
+    add_board(flies, 8.0 + 3 * k, (k % 3 - 1) * 3.0 + 0.3 * pair, 0.3 + 0.2 * k, 1.8, kFliesABoard);
+  add_background(flies, kFlies - boards * kFliesABoard);
+  return flies;
+}
+
+TEST(Concentrator, GivesTheSameForEveryPairAsAFreshOne) {
+  Concentrator concentrator;
+  for (int pair = 0; pair < 4; ++pair) {
+    const auto flies = street(pair);
+    const auto expected = run(flies);
+    const auto& found = concentrator.concentrate(flies, projection(), {}, {}, {});
+    ASSERT_GT(found.obstacles.size(), 2U);
+    ASSERT_EQ(found.obstacles.size(), expected.obstacles.size());
+    for (std::size_t i = 0; i < found.obstacles.size(); ++i)
+      EXPECT_EQ(found.obstacles[i].range_m, expected.obstacles[i].range_m);
+    EXPECT_EQ(found.obstacle_of_fly, expected.obstacle_of_fly);
+    EXPECT_EQ(found.candidates.size(), expected.candidates.size());
+    EXPECT_EQ(found.view_angles[40].votes, expected.view_angles[40].votes);
+  }
+}
+
+TEST(Concentrator, AllocatesNothingOnceItHasSeenAPopulationOfTheSize) {
+  std::vector<Population> pairs;
+  for (int pair = 0; pair < 6; ++pair) pairs.push_back(street(pair));
+  const auto camera = projection();
+  Concentrator concentrator;
+  concentrator.concentrate(pairs.front(), camera, {}, {}, {});
+  const auto before = allocations;
+  for (std::size_t pair = 1; pair < pairs.size(); ++pair) concentrator.concentrate(pairs[pair], camera, {}, {}, {});
+  EXPECT_EQ(allocations, before);
 }
 
 }  // namespace

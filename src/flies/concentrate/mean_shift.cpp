@@ -1,78 +1,83 @@
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "flies/concentrate/concentrate.hpp"
-#include "flies/concentrate/pixel_grid.hpp"
+#include "flies/concentrate/kernels/kernel_sums.hpp"
+#include "flies/concentrate/steps.hpp"
 
 namespace flies {
 namespace {
 
-/// The Gaussian kernel is cut off where it has fallen to exp(-4.5) = 1 %: what lies beyond moves a mean by less than
-/// a tenth of a pixel and would make every sample point visit every fly.
-constexpr double kKernelReach = 3.0;
-
-/// The kernel at a squared distance.
-double kernel(double squared_px, double bandwidth_px) {
-  const double bandwidths2 = squared_px / (bandwidth_px * bandwidth_px);
-  return bandwidths2 > kKernelReach * kKernelReach ? 0.0 : std::exp(-0.5 * bandwidths2);
-}
-
 /// A shift shorter than this ends the iterations early.
 constexpr double kConverged_px = 0.01;
 
+/// The flies under a kernel of bandwidth h at p.
+kernels::KernelSums sum_kernel(const PixelGrid& flies, const PixelPoint& p, double h) {
+  return kernels::sum_kernel(flies.near(p, kernels::kKernelReach * h), p.u_px, p.v_px, h);
+}
+
+DroppedFly drop(const Projection& projection, const RoadPlane& road, double x_m, double y_m, double fitness) {
+  const Point3 foot{x_m, y_m, road.z_m(x_m, y_m)};
+  if (!(projection.depth_m(foot) > 0.0)) return {};
+  const auto image = projection.project(foot);
+  return {{image.u_px, image.v_px}, fitness};
+}
+
+PixelGrid fill_grid(const std::vector<DroppedFly>& flies, double bandwidth_px) {
+  PixelGrid grid;
+  grid.fill(flies, kernels::kKernelReach * bandwidth_px);
+  return grid;
+}
+
 }  // namespace
+
+void drop_flies(const Sightings& flies, const Projection& projection, const RoadPlane& road,
+                std::vector<DroppedFly>& dropped) {
+  dropped.resize(flies.size());
+  for (std::size_t i = 0; i < flies.size(); ++i)
+    dropped[i] = drop(projection, road, flies.x_m[i], flies.y_m[i], flies.fitness[i]);
+}
 
 std::vector<DroppedFly> drop_flies(const Population& flies, const Projection& projection, const RoadPlane& road) {
   std::vector<DroppedFly> dropped(flies.size());
-  for (std::size_t i = 0; i < flies.size(); ++i) {
-    const Point3 foot{flies.x_m[i], flies.y_m[i], road.z_m(flies.x_m[i], flies.y_m[i])};
-    if (!(projection.depth_m(foot) > 0.0)) continue;
-    const auto image = projection.project(foot);
-    dropped[i] = {{image.u_px, image.v_px}, flies.fitness[i]};
-  }
+  for (std::size_t i = 0; i < flies.size(); ++i)
+    dropped[i] = drop(projection, road, flies.x_m[i], flies.y_m[i], flies.fitness[i]);
   return dropped;
+}
+
+void shift_means(const PixelGrid& flies, const ConcentrateOptions& options, std::span<ShiftedPoint> points) {
+  for (auto& [start, p] : points) {
+    p = start;
+    for (int iteration = 0; iteration < options.iterations; ++iteration) {
+      const auto sums = sum_kernel(flies, p, options.bandwidth_px);
+      if (sums.weight <= 0.0) break;
+      // p <- sum w_i p_i with weights that add up to 1, written as a step from p.
+      const double du = sums.du_px / sums.weight, dv = sums.dv_px / sums.weight;
+      p = {p.u_px + du, p.v_px + dv};
+      if (du * du + dv * dv < kConverged_px * kConverged_px) break;
+    }
+  }
 }
 
 std::vector<ShiftedPoint> shift_means(const std::vector<PixelPoint>& starts, const std::vector<DroppedFly>& flies,
                                       const ConcentrateOptions& options) {
-  const double h = options.bandwidth_px;
-  const PixelGrid grid(flies, kKernelReach * h);
-  std::vector<ShiftedPoint> shifted;
-  for (const auto& start : starts) {
-    PixelPoint p = start;
-    for (int iteration = 0; iteration < options.iterations; ++iteration) {
-      double total = 0.0, u = 0.0, v = 0.0;
-      grid.visit(p, [&](const DroppedFly& fly) {
-        const double du = fly.pixel.u_px - p.u_px, dv = fly.pixel.v_px - p.v_px;
-        const double w = fly.fitness * kernel(du * du + dv * dv, h);
-        total += w;
-        u += w * fly.pixel.u_px;
-        v += w * fly.pixel.v_px;
-      });
-      if (total <= 0.0) break;
-      const PixelPoint next{u / total, v / total};
-      const double step_px = std::hypot(next.u_px - p.u_px, next.v_px - p.v_px);
-      p = next;
-      if (step_px < kConverged_px) break;
-    }
-    shifted.push_back({start, p});
-  }
-  return shifted;
+  std::vector<ShiftedPoint> points;
+  for (const auto& start : starts) points.push_back({start, start});
+  shift_means(fill_grid(flies, options.bandwidth_px), options, points);
+  return points;
+}
+
+void find_density(std::span<const PixelPoint> points, const PixelGrid& flies, std::size_t population,
+                  double bandwidth_px, std::vector<double>& density) {
+  density.clear();
+  for (const auto& p : points)
+    density.push_back(population == 0 ? 0.0
+                                      : sum_kernel(flies, p, bandwidth_px).weight / static_cast<double>(population));
 }
 
 std::vector<double> fitness_density(const std::vector<PixelPoint>& points, const std::vector<DroppedFly>& flies,
                                     double bandwidth_px) {
-  const PixelGrid grid(flies, kKernelReach * bandwidth_px);
   std::vector<double> density;
-  for (const auto& p : points) {
-    double sum = 0.0;
-    grid.visit(p, [&](const DroppedFly& fly) {
-      const double du = fly.pixel.u_px - p.u_px, dv = fly.pixel.v_px - p.v_px;
-      sum += fly.fitness * kernel(du * du + dv * dv, bandwidth_px);
-    });
-    density.push_back(flies.empty() ? 0.0 : sum / static_cast<double>(flies.size()));
-  }
+  find_density(points, fill_grid(flies, bandwidth_px), flies.size(), bandwidth_px, density);
   return density;
 }
 

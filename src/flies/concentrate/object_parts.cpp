@@ -1,10 +1,9 @@
 #include "flies/concentrate/object_parts.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <tuple>
 #include <utility>
 
 namespace flies {
@@ -19,153 +18,177 @@ constexpr double kFarQuantile = 0.85;
 /// Parts whose gaps are below this share of those allowed are taken for one surface.
 constexpr double kSurfaceGap = 0.5;
 
-/// The smallest value up to which `quantile` of the total weight lies. `samples` must be sorted by value.
-double weighted_quantile(const std::vector<WeightedValue>& samples, double quantile) {
-  double total = 0.0;
-  for (const auto& sample : samples) total += sample.weight;
-  double passed = 0.0;
-  for (const auto& sample : samples)
-    if ((passed += sample.weight) >= quantile * total) return sample.value;
-  return samples.back().value;
+/// A separation that keeps parts apart.
+constexpr double kApart = std::numeric_limits<double>::infinity();
+
+/// The smallest values up to which `low` and `high` of the total weight lie, in a chain that starts with `fly`.
+template <class Weight>
+std::pair<double, double> weighted_quantiles(std::uint32_t fly, std::span<const std::uint32_t> next,
+                                             std::span<const float> values, const Weight& weight, double total,
+                                             double low, double high) {
+  double passed = weight(fly);
+  const auto value_at = [&](double quantile) {
+    for (; passed < quantile * total && next[fly] != kNone; passed += weight(fly)) fly = next[fly];
+    return static_cast<double>(values[fly]);
+  };
+  const double low_value = value_at(low);
+  return {low_value, value_at(high)};
 }
 
-bool is_less(const WeightedValue& a, const WeightedValue& b) { return a.value < b.value; }
-
-std::vector<WeightedValue> merge(const std::vector<WeightedValue>& a, const std::vector<WeightedValue>& b) {
-  std::vector<WeightedValue> all(a.size() + b.size());
-  std::merge(a.begin(), a.end(), b.begin(), b.end(), all.begin(), is_less);
-  return all;
-}
-
-Extent measure(const Part& part, double near_quantile) {
-  return {weighted_quantile(part.ranges_m, near_quantile),
-          weighted_quantile(part.ranges_m, std::max(near_quantile, kFarQuantile)),
-          weighted_quantile(part.azimuths_rad, kLowEdge),
-          weighted_quantile(part.azimuths_rad, kHighEdge),
-          weighted_quantile(part.heights_m, kLowEdge),
-          weighted_quantile(part.heights_m, kHighEdge)};
-}
-
-/// All flies as seen from the camera, sorted by azimuth: what lies behind the gap between two parts.
-class Backdrop {
- public:
-  explicit Backdrop(std::span<const Echo> echoes) {
-    for (const auto& echo : echoes)
-      if (echo.fitness > 0.0) echoes_.push_back(echo);
-    std::sort(echoes_.begin(), echoes_.end(),
-              [](const Echo& a, const Echo& b) { return a.azimuth_rad < b.azimuth_rad; });
+/// Merges two chains that are sorted by `values`. @returns the first of the merged
+std::uint32_t merge(std::uint32_t a, std::uint32_t b, std::span<const float> values, std::span<std::uint32_t> next) {
+  std::uint32_t first = kNone;
+  std::uint32_t* link = &first;
+  while (a != kNone && b != kNone) {
+    auto& least = values[b] < values[a] ? b : a;
+    *link = least;
+    link = &next[least];
+    least = *link;
   }
+  *link = a != kNone ? a : b;
+  return first;
+}
 
-  /// Summed fitness of the flies between two azimuths and farther than `range_m`.
-  double fitness_behind(double right_rad, double left_rad, double range_m) const {
-    auto echo = std::lower_bound(echoes_.begin(), echoes_.end(), right_rad,
-                                 [](const Echo& e, double azimuth_rad) { return e.azimuth_rad < azimuth_rad; });
-    double sum = 0.0;
-    for (; echo != echoes_.end() && echo->azimuth_rad < left_rad; ++echo)
-      if (echo->range_m > range_m) sum += echo->fitness;
-    return sum;
-  }
-
- private:
-  std::vector<Echo> echoes_;
-};
+/// Summed fitness of the flies between two azimuths and farther than `range_m`: what lies behind the gap between two
+/// parts.
+double fitness_behind(const Sightings& flies, double right_rad, double left_rad, double range_m) {
+  const auto tangent = [](double azimuth_rad) { return static_cast<float>(std::tan(azimuth_rad)); };
+  const float left = tangent(left_rad);
+  auto i = static_cast<std::size_t>(std::lower_bound(flies.tangent.begin(), flies.tangent.end(), tangent(right_rad)) -
+                                    flies.tangent.begin());
+  double sum = 0.0;
+  for (; i < flies.size() && flies.tangent[i] < left; ++i)
+    if (flies.range_m[i] > range_m) sum += flies.fitness[i];
+  return sum;
+}
 
 double gap(double low_a, double high_a, double low_b, double high_b) {
   return std::max({0.0, low_b - high_a, low_a - high_b});
 }
 
-/// How far two parts are apart, as a share of the gaps that are allowed inside an object; nothing when they cannot
+/// How far two parts are apart, as a share of the gaps that are allowed inside an object; `kApart` when they cannot
 /// belong together.
-std::optional<double> separation(const Part& a, const Part& b, const Backdrop& backdrop,
-                                 const AssembleOptions& options) {
+double separation(const Part& a, const Part& b, const Sightings& flies, const AssembleOptions& options) {
   const Extent &ea = a.extent, &eb = b.extent;
   const double near_m = std::min(ea.near_m, eb.near_m), far_m = std::max(ea.far_m, eb.far_m);
   const double depth = gap(ea.near_m, ea.far_m, eb.near_m, eb.far_m) / (options.depth_gap_share * near_m);
   const double lateral = near_m * gap(ea.right_rad, ea.left_rad, eb.right_rad, eb.left_rad) / options.lateral_gap_m;
-  if (!(depth <= 1.0 && lateral <= 1.0)) return {};
+  if (!(depth <= 1.0 && lateral <= 1.0)) return kApart;
 
   const double width_m = near_m * (std::max(ea.left_rad, eb.left_rad) - std::min(ea.right_rad, eb.right_rad));
   const double size_m = std::max(width_m, far_m - near_m);
   const bool one_surface = lateral <= kSurfaceGap && depth <= kSurfaceGap;
-  if (size_m > options.max_width_m && !(one_surface && size_m <= options.max_surface_m)) return {};
+  if (size_m > options.max_width_m && !(one_surface && size_m <= options.max_surface_m)) return kApart;
 
   const double gap_right_rad = std::min(ea.left_rad, eb.left_rad), gap_left_rad = std::max(ea.right_rad, eb.right_rad);
   if (near_m * (gap_left_rad - gap_right_rad) <= options.see_through_gap_m) return std::hypot(depth, lateral);
-  const double behind = backdrop.fitness_behind(gap_right_rad, gap_left_rad, far_m * (1.0 + options.depth_gap_share));
-  if (behind > options.see_through_share * std::min(a.fitness, b.fitness)) return {};
+  const double behind = fitness_behind(flies, gap_right_rad, gap_left_rad, far_m * (1.0 + options.depth_gap_share));
+  if (behind > options.see_through_share * std::min(a.fitness, b.fitness)) return kApart;
   return std::hypot(depth, lateral);
-}
-
-Part join(const Part& a, const Part& b, const AssembleOptions& options) {
-  Part whole{a.members,
-             a.candidate.density >= b.candidate.density ? a.candidate : b.candidate,
-             {},
-             a.fitness + b.fitness,
-             merge(a.ranges_m, b.ranges_m),
-             merge(a.azimuths_rad, b.azimuths_rad),
-             merge(a.heights_m, b.heights_m)};
-  whole.members.insert(whole.members.end(), b.members.begin(), b.members.end());
-  whole.extent = measure(whole, options.near_quantile);
-  return whole;
 }
 
 }  // namespace
 
-std::vector<Echo> measure_echoes(const Population& flies, const RoadPlane& road) {
-  std::vector<Echo> echoes(flies.size());
-  for (std::size_t i = 0; i < flies.size(); ++i) {
-    if (!(flies.fitness[i] > 0.0F)) continue;
-    const double x = flies.x_m[i], y = flies.y_m[i];
-    echoes[i] = {std::sqrt(x * x + y * y), std::atan2(y, x), flies.z_m[i] - road.z_m(x, y), flies.fitness[i]};
-  }
-  return echoes;
+void ObjectParts::reserve(std::size_t flies, std::size_t candidates) {
+  parts_.reserve(candidates);
+  for (auto* chain : {&farther_, &farther_left_, &higher_}) chain->reserve(flies);
+  order_.reserve(flies);
+  separations_.reserve(candidates * candidates);
+  closest_.reserve(candidates);
 }
 
-Part make_part(std::vector<std::size_t> members, const Candidate& candidate, std::span<const Echo> echoes,
-               const AssembleOptions& options) {
-  assert(!members.empty());
-  Part part{std::move(members), candidate, {}, 0.0, {}, {}, {}};
-  for (const auto i : part.members) {
-    const auto& echo = echoes[i];
-    part.fitness += echo.fitness;
-    // The fittest flies sit closest to the surface. Weighed by fitness alone, the near face of a distant object would
-    // be the noise of its poorer flies.
-    part.ranges_m.push_back({echo.range_m, echo.fitness * echo.fitness});
-    part.azimuths_rad.push_back({echo.azimuth_rad, echo.fitness});
-    part.heights_m.push_back({echo.height_m, echo.fitness});
-  }
-  for (auto* values : {&part.ranges_m, &part.azimuths_rad, &part.heights_m})
-    std::sort(values->begin(), values->end(), is_less);
-  part.extent = measure(part, options.near_quantile);
-  return part;
+void ObjectParts::measure(Part& part, double near_quantile) const {
+  const auto fitness = [&](std::uint32_t i) { return static_cast<double>(flies_->fitness[i]); };
+  // The fittest flies sit closest to the surface. Weighed by fitness alone, the near face of a distant object would
+  // be the noise of its poorer flies.
+  const auto squared_fitness = [&](std::uint32_t i) { return fitness(i) * fitness(i); };
+  auto& extent = part.extent;
+  std::tie(extent.near_m, extent.far_m) =
+      weighted_quantiles(part.nearest, farther_, flies_->range_m, squared_fitness, part.squared_fitness, near_quantile,
+                         std::max(near_quantile, kFarQuantile));
+  const auto [right, left] =
+      weighted_quantiles(part.rightmost, farther_left_, flies_->tangent, fitness, part.fitness, kLowEdge, kHighEdge);
+  extent.right_rad = std::atan(right);
+  extent.left_rad = std::atan(left);
+  std::tie(extent.bottom_m, extent.top_m) =
+      weighted_quantiles(part.lowest, higher_, flies_->height_m, fitness, part.fitness, kLowEdge, kHighEdge);
 }
 
-std::vector<Part> join_parts(std::vector<Part> parts, std::span<const Echo> echoes, const AssembleOptions& options) {
-  const Backdrop backdrop(echoes);
-  // Row a holds the separations of part a from the parts after it; a join changes one row and one column.
-  constexpr double kApart = std::numeric_limits<double>::infinity();
-  const std::size_t stride = parts.size();
-  std::vector<double> separations(stride * stride, kApart);
-  const auto update = [&](std::size_t a, std::size_t b) {
-    separations[std::min(a, b) * stride + std::max(a, b)] =
-        separation(parts[std::min(a, b)], parts[std::max(a, b)], backdrop, options).value_or(kApart);
+void ObjectParts::gather(const Sightings& flies, std::span<const Candidate> candidates,
+                         std::span<const std::uint32_t> owner, double near_quantile) {
+  flies_ = &flies;
+  parts_.clear();
+  for (const auto& candidate : candidates) parts_.emplace_back().candidate = candidate;
+  for (auto* chain : {&farther_, &farther_left_, &higher_}) chain->resize(flies.size());
+
+  // Each fly goes before those of its part that are chained already: the last in the order is chained first.
+  const auto chain_up = [&](std::uint32_t fly, std::uint32_t Part::*first, Chain& next) {
+    if (owner[fly] != kNone) next[fly] = std::exchange(parts_[owner[fly]].*first, fly);
   };
-  for (std::size_t a = 0; a < stride; ++a)
-    for (std::size_t b = a + 1; b < stride; ++b) update(a, b);
-  while (true) {
-    const auto least = std::min_element(separations.begin(), separations.end());
-    if (least == separations.end() || *least == kApart) break;
-    const auto index = static_cast<std::size_t>(least - separations.begin());
-    const std::size_t a = index / stride, b = index % stride;
-    parts[a] = join(parts[a], parts[b], options);
-    parts[b].members.clear();  // marks it as joined
-    for (std::size_t k = 0; k < stride; ++k) {
-      if (k != b) separations[std::min(k, b) * stride + std::max(k, b)] = kApart;
-      if (k != a && !parts[k].members.empty()) update(a, k);
+  for (auto i = static_cast<std::uint32_t>(flies.size()); i-- > 0;) {
+    chain_up(i, &Part::rightmost, farther_left_);
+    if (owner[i] == kNone) continue;
+    auto& part = parts_[owner[i]];
+    const double fitness = flies.fitness[i];
+    ++part.flies;
+    part.fitness += fitness;
+    part.squared_fitness += fitness * fitness;
+  }
+  const auto by_range = order_.find(flies.range_m);
+  for (auto k = by_range.size(); k-- > 0;) chain_up(by_range[k], &Part::nearest, farther_);
+  const auto by_height = order_.find(flies.height_m);
+  for (auto k = by_height.size(); k-- > 0;) chain_up(by_height[k], &Part::lowest, higher_);
+
+  std::erase_if(parts_, [](const Part& part) { return part.flies == 0; });
+  for (auto& part : parts_) measure(part, near_quantile);
+}
+
+void ObjectParts::join(Part& part, Part& other, double near_quantile) {
+  if (other.candidate.density > part.candidate.density) part.candidate = other.candidate;
+  part.flies += std::exchange(other.flies, 0);  // marks the other as joined
+  part.fitness += other.fitness;
+  part.squared_fitness += other.squared_fitness;
+  part.nearest = merge(part.nearest, other.nearest, flies_->range_m, farther_);
+  part.rightmost = merge(part.rightmost, other.rightmost, flies_->tangent, farther_left_);
+  part.lowest = merge(part.lowest, other.lowest, flies_->height_m, higher_);
+  measure(part, near_quantile);
+}
+
+void ObjectParts::join(const AssembleOptions& options) {
+  // Row a holds the separations of part a from the parts after it, of which the closest is noted; a join changes one
+  // row and two columns.
+  const std::size_t count = parts_.size();
+  separations_.assign(count * count, kApart);
+  closest_.assign(count, 0);
+  const auto apart = [&](std::size_t a, std::size_t b) -> double& {
+    return separations_[std::min(a, b) * count + std::max(a, b)];
+  };
+  const auto least = [&](std::size_t row) { return separations_[row * count + closest_[row]]; };
+  const auto find_closest = [&](std::size_t row) {
+    const double* separations = &separations_[row * count];
+    closest_[row] = static_cast<std::size_t>(std::min_element(separations, separations + count) - separations);
+  };
+  for (std::size_t a = 0; a < count; ++a) {
+    for (std::size_t b = a + 1; b < count; ++b) apart(a, b) = separation(parts_[a], parts_[b], *flies_, options);
+    find_closest(a);
+  }
+  while (count > 0) {
+    std::size_t a = 0;
+    for (std::size_t row = 1; row < count; ++row)
+      if (least(row) < least(a)) a = row;
+    const std::size_t b = closest_[a];
+    if (least(a) == kApart) break;
+    join(parts_[a], parts_[b], options.near_quantile);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (k != b) apart(k, b) = kApart;
+      if (k != a && parts_[k].flies > 0) apart(k, a) = separation(parts_[k], parts_[a], *flies_, options);
+    }
+    for (std::size_t row = 0; row < b; ++row) {
+      const bool is_new_closest = row < a && apart(row, a) <= least(row) && apart(row, a) < kApart;
+      if (row == a || closest_[row] == a || closest_[row] == b || is_new_closest) find_closest(row);
     }
   }
-  std::erase_if(parts, [](const Part& part) { return part.members.empty(); });
-  return parts;
+  std::erase_if(parts_, [](const Part& part) { return part.flies == 0; });
 }
 
 }  // namespace flies

@@ -1,10 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "flies/concentrate/concentrate.hpp"
+#include "flies/concentrate/ascending_order.hpp"
+#include "flies/concentrate/concentrate_options.hpp"
+#include "flies/concentrate/concentrate_result.hpp"
+#include "flies/concentrate/sightings.hpp"
 
 namespace flies {
 
@@ -19,39 +23,56 @@ struct Extent {
   double azimuth_rad() const { return 0.5 * (right_rad + left_rad); }
 };
 
-/// A fly as a laser scanner would have measured it.
-struct Echo {
-  double range_m = 0.0;  ///< along the ground
-  double azimuth_rad = 0.0;
-  double height_m = 0.0;  ///< above the road
-  double fitness = 0.0;
-};
-
-/// One echo per fly, same order; flies without fitness are left blank.
-std::vector<Echo> measure_echoes(const Population& flies, const RoadPlane& road);
-
-/// A measured value of a fly and how much it counts.
-struct WeightedValue {
-  double value = 0.0;
-  double weight = 0.0;
-};
+/// What ends a chain of flies, and who owns a fly that belongs to no candidate.
+inline constexpr std::uint32_t kNone = UINT32_MAX;
 
 /// A candidate with the flies that belong to it: an object, or a part of one until it is joined to others.
 struct Part {
-  std::vector<std::size_t> members;  ///< indices of its flies
-  Candidate candidate;               ///< the densest of those joined
-  Extent extent;                     ///< of its flies
-  double fitness = 0.0;              ///< summed over its flies
-  /// What the extent is measured from, each sorted by value, so that joining is merging.
-  std::vector<WeightedValue> ranges_m, azimuths_rad, heights_m;
+  Candidate candidate;           ///< the densest of those joined
+  Extent extent;                 ///< of its flies
+  std::size_t flies = 0;         ///< how many
+  double fitness = 0.0;          ///< summed over its flies
+  double squared_fitness = 0.0;  ///< likewise
+  /// The first of its flies in the chains by range, azimuth and height.
+  std::uint32_t nearest = kNone, rightmost = kNone, lowest = kNone;
 };
 
-/// Measures a part from its flies; `members` must not be empty.
-Part make_part(std::vector<std::size_t> members, const Candidate& candidate, std::span<const Echo> echoes,
-               const AssembleOptions& options);
+/// The parts and their flies. The flies of a part are three chains, each sorted by a value, so that joining parts is
+/// merging chains and needs no memory. Keeps what it has from call to call.
+class ObjectParts {
+ public:
+  void reserve(std::size_t flies, std::size_t candidates);
 
-/// Joins parts of one object, closest first: the gaps between them in range and sideways are small, the whole is no
-/// larger than an object may be, and nothing farther away is seen through the gap.
-std::vector<Part> join_parts(std::vector<Part> parts, std::span<const Echo> echoes, const AssembleOptions& options);
+  /// Makes and measures a part of each candidate that owns flies.
+  /// @param flies must outlive this object's use
+  /// @param owner of each fly: index into `candidates` or `kNone`
+  void gather(const Sightings& flies, std::span<const Candidate> candidates, std::span<const std::uint32_t> owner,
+              double near_quantile);
+
+  /// Joins parts of one object, closest first: the gaps between them in range and sideways are small, the whole is no
+  /// larger than an object may be, and nothing farther away is seen through the gap.
+  void join(const AssembleOptions& options);
+
+  std::vector<Part>& parts() { return parts_; }
+
+  /// Calls `use` with the index, into the sightings, of each fly of the part.
+  template <class Use>
+  void for_each_fly(const Part& part, const Use& use) const {
+    for (auto i = part.rightmost; i != kNone; i = farther_left_[i]) use(i);
+  }
+
+ private:
+  using Chain = std::vector<std::uint32_t>;  ///< the next fly after each, or kNone
+
+  void measure(Part& part, double near_quantile) const;
+  void join(Part& part, Part& other, double near_quantile);
+
+  const Sightings* flies_ = nullptr;
+  std::vector<Part> parts_;
+  Chain farther_, farther_left_, higher_;
+  AscendingOrder order_;
+  std::vector<double> separations_;
+  std::vector<std::size_t> closest_;
+};
 
 }  // namespace flies

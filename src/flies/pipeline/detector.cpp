@@ -47,7 +47,7 @@ Detection Detector::detect(const RectifiedPair& pair) {
                            {options_.seed, frame_}, last_obstacles_);
   });
   d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
-    return concentrate(d.evolved.flies, projection_, road, options_.field, options_.concentrate);
+    return concentrator_.concentrate(d.evolved.flies, projection_, road, options_.field, options_.concentrate);
   });
   d.obstacles = d.concentrate.obstacles;
   d.rois = timed(d.stage_ms, Stage::propose,

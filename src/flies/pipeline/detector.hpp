@@ -103,6 +103,7 @@ class Detector {
   DetectorOptions options_;
   std::shared_ptr<const PeopleClassifier> classifier_;
   Evolver evolver_;
+  Concentrator concentrator_;
   std::vector<Obstacle> last_obstacles_;
   std::uint32_t frame_ = 0;
 };

@@ -1,0 +1,40 @@
+#include "flies/concentrate/ascending_order.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "flies/core/random.hpp"
+
+namespace flies {
+namespace {
+
+using testing::ElementsAre;
+using testing::ElementsAreArray;
+using testing::IsEmpty;
+
+TEST(AscendingOrder, PutsEqualValuesInTheOrderOfTheirIndices) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  EXPECT_THAT(AscendingOrder().find(std::vector{2.0F, -1.0F, 0.0F, 2.0F, -kInfinity, -0.0F, -3.5F, kInfinity}),
+              ElementsAre(4, 6, 1, 2, 5, 0, 3, 7));
+}
+
+TEST(AscendingOrder, IsThatOfAStableSortForEveryNumberOfValues) {
+  AscendingOrder order;
+  for (const std::size_t count : {0, 1, 2, 1000, 300}) {
+    std::vector<float> values(count);
+    for (std::size_t i = 0; i < count; ++i)
+      values[i] = static_cast<float>(FlyRandom(1, 2, 3, static_cast<std::uint32_t>(i)).normal());
+    std::vector<std::uint32_t> expected(count);
+    std::iota(expected.begin(), expected.end(), 0U);
+    std::stable_sort(expected.begin(), expected.end(), [&](auto a, auto b) { return values[a] < values[b]; });
+    EXPECT_THAT(order.find(values), ElementsAreArray(expected));
+  }
+  EXPECT_THAT(order.find({}), IsEmpty());
+}
+
+}  // namespace
+}  // namespace flies
