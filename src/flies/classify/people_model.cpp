@@ -103,14 +103,18 @@ double probability(const ScoreCalibration& calibration, double score) {
   return 1.0 / (1.0 + std::exp(-(calibration.slope * score + calibration.offset)));
 }
 
-double person_probability(const PeopleModel& model, std::span<const float> features) {
-  const double score = linear_score(model.linear, features);
-  const double first = probability(model.linear.calibration, score);
+double person_probability(const PeopleModel& model, double linear, double kernel) {
+  const double first = probability(model.linear.calibration, linear);
   if (!model.kernel) return first;
-  if (score < model.linear.reject_below)
+  if (linear < model.linear.reject_below)
     return kRejectedProbability * first / probability(model.linear.calibration, model.linear.reject_below);
-  const double second = probability(model.kernel->calibration, kernel_score(*model.kernel, features));
-  return kRejectedProbability + (1.0 - kRejectedProbability) * second;
+  return kRejectedProbability + (1.0 - kRejectedProbability) * probability(model.kernel->calibration, kernel);
+}
+
+double person_probability(const PeopleModel& model, std::span<const float> features) {
+  const double linear = linear_score(model.linear, features);
+  const bool is_asked = model.kernel && linear >= model.linear.reject_below;
+  return person_probability(model, linear, is_asked ? kernel_score(*model.kernel, features) : 0.0);
 }
 
 PeopleModel opencv_48x96() { return from_opencv(kOpencv48, cv::HOGDescriptor::getDaimlerPeopleDetector()); }

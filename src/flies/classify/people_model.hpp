@@ -80,8 +80,9 @@ inline constexpr double kRejectedProbability = 1e-3;
 /// @param features `feature_count(model.hog)` of them
 double person_probability(const PeopleModel& model, std::span<const float> features);
 
-/// The same from the score of the linear stage alone; with a second stage only for windows that the first one rejects.
-double linear_probability(const PeopleModel& model, double score);
+/// The same from scores.
+/// @param kernel of the second stage; has no effect where there is none, or where the first one rejects
+double person_probability(const PeopleModel& model, double linear, double kernel);
 
 /// The people detector of 48 x 96 px that comes with OpenCV, trained on the Daimler data.
 PeopleModel opencv_48x96();
