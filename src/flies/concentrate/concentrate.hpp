@@ -34,7 +34,7 @@ class Concentrator {
 
   FlySighter sighter_;
   Sightings sightings_;
-  std::vector<int> fullest_;
+  std::vector<std::size_t> fullest_;
   std::vector<DroppedFly> dropped_;
   PixelGrid grid_;
   std::vector<PixelPoint> ends_;

@@ -11,14 +11,18 @@ namespace {
 
 /// The `count` fullest intervals that are local maxima, fullest first. Two samples of one view-angle are worth their
 /// mean shifts only when they start on different surfaces.
-void find_fullest_intervals(const std::vector<double>& votes, int count, std::vector<int>& fullest) {
-  const int bins = static_cast<int>(votes.size());
-  const auto vote = [&](int k) { return k < 0 || k >= bins ? 0.0 : votes[static_cast<std::size_t>(k)]; };
-  fullest.clear();
-  for (int k = 0; k < bins; ++k)
-    if (vote(k) > 0.0 && vote(k) >= vote(k - 1) && vote(k) > vote(k + 1)) fullest.push_back(k);
+void find_fullest_intervals(const std::vector<double>& votes, int count, std::vector<std::size_t>& fullest) {
+  // Every interval is written, and overwritten by the next one unless it is a maximum: a branch would be mispredicted.
+  fullest.resize(votes.size());
+  std::size_t maxima = 0;
+  for (std::size_t k = 0; k < votes.size(); ++k) {
+    const double before = k > 0 ? votes[k - 1] : 0.0, after = k + 1 < votes.size() ? votes[k + 1] : 0.0;
+    fullest[maxima] = k;
+    maxima += static_cast<std::size_t>(votes[k] >= before) & static_cast<std::size_t>(votes[k] > after);
+  }
+  fullest.resize(maxima);
   std::sort(fullest.begin(), fullest.end(),
-            [&](int a, int b) { return vote(a) > vote(b) || (vote(a) == vote(b) && a < b); });
+            [&](std::size_t a, std::size_t b) { return votes[a] > votes[b] || (votes[a] == votes[b] && a < b); });
   fullest.resize(std::min(fullest.size(), static_cast<std::size_t>(count)));
 }
 
@@ -64,7 +68,7 @@ std::size_t count_view_angles(const ConcentrateOptions& options) {
 }
 
 void sample_histograms(const Sightings& flies, const FieldOptions& field, const ConcentrateOptions& options,
-                       std::vector<int>& fullest, HistogramAxis& axis, std::vector<ViewAngle>& views) {
+                       std::vector<std::size_t>& fullest, HistogramAxis& axis, std::vector<ViewAngle>& views) {
   axis = {field.x_min_m, options.bin_m,
           std::max(1, static_cast<int>(std::ceil((field.x_max_m - field.x_min_m) / options.bin_m)))};
   fullest.reserve(static_cast<std::size_t>(axis.bins));
@@ -73,8 +77,8 @@ void sample_histograms(const Sightings& flies, const FieldOptions& field, const 
   for (auto& view : views) {
     const double middle = std::tan(0.5 * (view.min_azimuth_rad + view.max_azimuth_rad));
     find_fullest_intervals(view.votes, options.samples, fullest);
-    for (const int k : fullest) {
-      const double d = axis.min_m + (k + 0.5) * axis.bin_m;
+    for (const auto k : fullest) {
+      const double d = axis.min_m + (static_cast<double>(k) + 0.5) * axis.bin_m;
       view.samples.push_back({d, d * middle});
     }
   }
@@ -87,7 +91,7 @@ HistogramSampling sample_histograms(const Population& flies, const FieldOptions&
   Sightings sightings;
   FlySighter().sight(flies, {}, ahead, sightings);
   HistogramSampling result;
-  std::vector<int> fullest;
+  std::vector<std::size_t> fullest;
   sample_histograms(sightings, field, options, fullest, result.axis, result.view_angles);
   return result;
 }

@@ -40,10 +40,14 @@ std::uint32_t merge(std::uint32_t a, std::uint32_t b, std::span<const float> val
   std::uint32_t first = kNone;
   std::uint32_t* link = &first;
   while (a != kNone && b != kNone) {
-    auto& least = values[b] < values[a] ? b : a;
+    // Which one comes first cannot be predicted: no branch.
+    const bool b_first = values[b] < values[a];
+    const auto least = b_first ? b : a;
     *link = least;
     link = &next[least];
-    least = *link;
+    const auto following = *link;
+    a = b_first ? a : following;
+    b = b_first ? following : b;
   }
   *link = a != kNone ? a : b;
   return first;
@@ -90,7 +94,7 @@ double separation(const Part& a, const Part& b, const Sightings& flies, const As
 }  // namespace
 
 void ObjectParts::reserve(std::size_t flies, std::size_t candidates) {
-  parts_.reserve(candidates);
+  parts_.reserve(candidates + 1);
   for (auto* chain : {&farther_, &farther_left_, &higher_}) chain->reserve(flies);
   order_.reserve(flies);
   separations_.reserve(candidates * candidates);
@@ -119,15 +123,16 @@ void ObjectParts::gather(const Sightings& flies, std::span<const Candidate> cand
   flies_ = &flies;
   parts_.clear();
   for (const auto& candidate : candidates) parts_.emplace_back().candidate = candidate;
+  // Flies that nobody owns are chained like the others, which spares a branch that would be mispredicted.
+  parts_.emplace_back();
   for (auto* chain : {&farther_, &farther_left_, &higher_}) chain->resize(flies.size());
 
   // Each fly goes before those of its part that are chained already: the last in the order is chained first.
   const auto chain_up = [&](std::uint32_t fly, std::uint32_t Part::*first, Chain& next) {
-    if (owner[fly] != kNone) next[fly] = std::exchange(parts_[owner[fly]].*first, fly);
+    next[fly] = std::exchange(parts_[owner[fly]].*first, fly);
   };
   for (auto i = static_cast<std::uint32_t>(flies.size()); i-- > 0;) {
     chain_up(i, &Part::rightmost, farther_left_);
-    if (owner[i] == kNone) continue;
     auto& part = parts_[owner[i]];
     const double fitness = flies.fitness[i];
     ++part.flies;
@@ -139,6 +144,7 @@ void ObjectParts::gather(const Sightings& flies, std::span<const Candidate> cand
   const auto by_height = order_.find(flies.height_m);
   for (auto k = by_height.size(); k-- > 0;) chain_up(by_height[k], &Part::lowest, higher_);
 
+  parts_.pop_back();
   std::erase_if(parts_, [](const Part& part) { return part.flies == 0; });
   for (auto& part : parts_) measure(part, near_quantile);
 }

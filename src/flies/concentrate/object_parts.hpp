@@ -23,7 +23,7 @@ struct Extent {
   double azimuth_rad() const { return 0.5 * (right_rad + left_rad); }
 };
 
-/// What ends a chain of flies, and who owns a fly that belongs to no candidate.
+/// What ends a chain of flies.
 inline constexpr std::uint32_t kNone = UINT32_MAX;
 
 /// A candidate with the flies that belong to it: an object, or a part of one until it is joined to others.
@@ -45,7 +45,7 @@ class ObjectParts {
 
   /// Makes and measures a part of each candidate that owns flies.
   /// @param flies must outlive this object's use
-  /// @param owner of each fly: index into `candidates` or `kNone`
+  /// @param owner of each fly: index into `candidates`, or their number for a fly that nobody owns
   void gather(const Sightings& flies, std::span<const Candidate> candidates, std::span<const std::uint32_t> owner,
               double near_quantile);
 

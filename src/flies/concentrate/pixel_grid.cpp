@@ -43,9 +43,9 @@ void PixelGrid::lay_out(std::span<const DroppedFly> flies, double reach_px) {
   rows_ = static_cast<std::size_t>(height_px * rows_per_px_) + 1;
 }
 
-std::size_t PixelGrid::column(double u_px) const { return cell_at(u_px - min_u_px_, columns_per_px_, columns_); }
+inline std::size_t PixelGrid::column(double u_px) const { return cell_at(u_px - min_u_px_, columns_per_px_, columns_); }
 
-std::size_t PixelGrid::row(double v_px) const { return cell_at(v_px - min_v_px_, rows_per_px_, rows_); }
+inline std::size_t PixelGrid::row(double v_px) const { return cell_at(v_px - min_v_px_, rows_per_px_, rows_); }
 
 void PixelGrid::fill(std::span<const DroppedFly> flies, double reach_px) {
   lay_out(flies, reach_px);

@@ -4,6 +4,20 @@
 
 namespace flies {
 
+namespace {
+
+/// With fitness and `in_field`, as a number: 1 or 0.
+std::size_t has_say(const Population& flies, const RoadPlane& road, const FieldOptions& field, std::size_t i) {
+  const double x = flies.x_m[i], y = flies.y_m[i], height_m = flies.z_m[i] - road.z_m(x, y);
+  const auto between = [](double low, double value, double high) -> unsigned {
+    return static_cast<unsigned>(value >= low) & static_cast<unsigned>(value <= high);
+  };
+  return static_cast<unsigned>(flies.fitness[i] > 0.0F) & between(field.x_min_m, x, field.x_max_m) &
+         between(field.y_min_m, y, field.y_max_m) & between(field.z_min_m, height_m, field.z_max_m);
+}
+
+}  // namespace
+
 void Sightings::reserve(std::size_t count) {
   fly.reserve(count);
   for (auto* values : {&tangent, &x_m, &y_m, &range_m, &height_m, &fitness}) values->reserve(count);
@@ -24,15 +38,14 @@ void FlySighter::sight(const Population& flies, const RoadPlane& road, const Fie
                        Sightings& sightings) {
   // Every fly is written, and overwritten by the next one unless it has a say: a branch would be mispredicted.
   heard_.resize(flies.size());
-  tangent_.resize(flies.size());
   std::size_t count = 0;
   for (std::size_t i = 0; i < flies.size(); ++i) {
     heard_[count] = static_cast<std::uint32_t>(i);
-    tangent_[count] = flies.y_m[i] / flies.x_m[i];
-    count += (flies.fitness[i] > 0.0F) & in_field(field, road, flies.point(i)) ? 1 : 0;
+    count += has_say(flies, road, field, i);
   }
   heard_.resize(count);
   tangent_.resize(count);
+  for (std::size_t k = 0; k < count; ++k) tangent_[k] = flies.y_m[heard_[k]] / flies.x_m[heard_[k]];
 
   sightings.resize(count);
   const auto from_right = order_.find(tangent_);

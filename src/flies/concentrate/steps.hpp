@@ -19,7 +19,7 @@ std::size_t count_view_angles(const ConcentrateOptions& options);
 
 /// @param fullest memory for intervals
 void sample_histograms(const Sightings& flies, const FieldOptions& field, const ConcentrateOptions& options,
-                       std::vector<int>& fullest, HistogramAxis& axis, std::vector<ViewAngle>& views);
+                       std::vector<std::size_t>& fullest, HistogramAxis& axis, std::vector<ViewAngle>& views);
 
 /// One entry per sighting.
 void drop_flies(const Sightings& flies, const Projection& projection, const RoadPlane& road,
