@@ -5,24 +5,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "flies/core/error.hpp"
 #include "flies/core/parabola.hpp"
-#include "flies/fitness/fitness.hpp"
+#include "flies/road/kernels/correlate_shifts.hpp"
 
 namespace flies {
 namespace {
 
-/// The road recedes quickly in the image (a third of a pixel of disparity a row at the usual height and baseline), so
-/// the neighbourhood that matches it is wide and flat.
-FitnessOptions road_fitness() {
-  FitnessOptions options;
-  options.sampling = PatchSampling::subpixel;
-  options.half_width_px = 12;
-  options.half_height_px = 2;
-  options.noise_gray = 1.0;  // roads are poor in texture
-  return options;
-}
+/// Standard deviation of image noise that the correlation of poor texture is lowered for; roads are poor in texture.
+constexpr double kNoise_gray = 1.0;
 
 /// Probes that must agree before their fit replaces the nominal ground.
 constexpr int kMinInliers = 15;
@@ -60,9 +53,40 @@ std::vector<StereoPoint> place_probes(const RectifiedPair& pair, const Projectio
   return probes;
 }
 
+/// Correlations of the neighbourhood of a left pixel with those at a row of disparities, in steps of one pixel from
+/// `lowest_px`; 0 where a neighbourhood leaves its image.
+void correlate_disparities(const RectifiedPair& pair, const StereoPoint& image, double lowest_px,
+                           std::span<float> correlation) {
+  constexpr int kHalfWidth = kernels::kShiftColumns / 2, kHalfHeight = kernels::kShiftRows / 2;
+  const int width = pair.left.width_px, height = pair.left.height_px;
+  const int u = static_cast<int>(std::lrint(image.u_px)), v = static_cast<int>(std::lrint(image.v_px));
+  std::fill(correlation.begin(), correlation.end(), 0.0F);
+  if (u < kHalfWidth || u + kHalfWidth >= width || v < kHalfHeight || v + kHalfHeight >= height) return;
+  // The neighbourhood at the lowest disparity is the rightmost. It and those to its left must be inside the image.
+  const auto rightmost16 = static_cast<int>(std::lrint((u - lowest_px) * kernels::kShiftSteps));
+  const int rightmost = (rightmost16 >> kernels::kShiftStepBits) - kHalfWidth;
+  const int first = std::max(0, rightmost + kernels::kShiftColumns + 1 - width);
+  const int end = std::min(static_cast<int>(correlation.size()), rightmost + 1);
+  for (int begin = first; begin < end; begin += kernels::kMaxShifts) {
+    const int shifts = std::min(kernels::kMaxShifts, end - begin);
+    const int leftmost = rightmost - (begin + shifts - 1);
+    std::array<float, kernels::kMaxShifts> from_left;
+    kernels::correlate_shifts({.left = pair.left.row(v - kHalfHeight) + u - kHalfWidth,
+                               .right = pair.right.row(v - kHalfHeight) + leftmost,
+                               .left_stride = pair.left.stride,
+                               .right_stride = pair.right.stride,
+                               .fraction16 = rightmost16 & (kernels::kShiftSteps - 1),
+                               .shifts = shifts,
+                               .noise_gray2 = kNoise_gray * kNoise_gray},
+                              from_left.data());
+    std::reverse_copy(from_left.begin(), from_left.begin() + shifts, correlation.begin() + begin);
+  }
+}
+
 /// Matches one probe along its line of sight, in steps of one pixel of disparity and then between them.
+/// @param correlation memory
 RoadProbe match_probe(const RectifiedPair& pair, const Projection& projection, const RoadOptions& options,
-                      const FitnessOptions& fitness, const StereoPoint& image) {
+                      const StereoPoint& image, std::vector<float>& correlation) {
   const auto disparity_on_slope = [&](double slope) {
     const Point3 point = projection.meet_road(image.u_px, image.v_px, {0.0, slope, 0.0});
     return point.x_m > 0.0 ? projection.disparity_at_depth(projection.depth_m(point))
@@ -70,13 +94,13 @@ RoadProbe match_probe(const RectifiedPair& pair, const Projection& projection, c
   };
   const double lowest_px = disparity_on_slope(-options.max_slope);
   const double highest_px = disparity_on_slope(options.max_slope);
-  std::vector<double> correlation;
-  for (double d = lowest_px; d <= highest_px; d += 1.0)
-    correlation.push_back(correlate_point(pair, fitness, {image.u_px, image.v_px, d}));
+  if (!(highest_px - lowest_px >= 2.0)) return {};
+  correlation.resize(static_cast<std::size_t>(highest_px - lowest_px) + 1);
+  correlate_disparities(pair, image, lowest_px, correlation);
 
   const auto best = std::max_element(correlation.begin(), correlation.end());
   const auto k = best - correlation.begin();
-  if (correlation.size() < 3 || k == 0 || best + 1 == correlation.end() || *best < options.min_correlation) return {};
+  if (k == 0 || best + 1 == correlation.end() || *best < options.min_correlation) return {};
   for (auto other = correlation.begin(); other != correlation.end(); ++other)
     if (std::abs(other - best) >= kAmbiguousDistance_px && *other > *best - kAmbiguousMargin) return {};
   const double disparity_px = lowest_px + static_cast<double>(k) + parabola_vertex(best[-1], best[0], best[1]);
@@ -176,9 +200,9 @@ void check_road_options(const RoadOptions& options, const std::string& source) {
 RoadResult estimate_road(const RectifiedPair& pair, const Projection& projection, const RoadOptions& options) {
   RoadResult result;
   if (!options.estimate) return result;
-  const auto fitness = road_fitness();
+  std::vector<float> correlation;
   for (const auto& image : place_probes(pair, projection, options))
-    result.probes.push_back(match_probe(pair, projection, options, fitness, image));
+    result.probes.push_back(match_probe(pair, projection, options, image, correlation));
 
   const auto start = search_slopes(projection, result.probes, options.max_slope);
   const auto plane = fit_plane(projection, result.probes, start);
