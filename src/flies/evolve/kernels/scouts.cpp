@@ -28,6 +28,8 @@ constexpr std::size_t kLanes = hn::MaxLanes(D());
 constexpr std::size_t kBlock = 64;
 constexpr int kReach_px = kRowColumns / 2;
 
+constexpr float kNone = -std::numeric_limits<float>::infinity();
+
 template <std::size_t kTerms>
 HWY_INLINE V polynomial(const float (&coefficients)[kTerms], V x) {
   V value = hn::Set(D(), coefficients[kTerms - 1]);
@@ -96,11 +98,12 @@ HWY_INLINE void look(const ScoutSearch& search, Sights& sights, std::size_t k) {
   hn::Store(pixel(v), d32, sights.row + k);
 }
 
-/// What is tried for one fly. Places of the right image that rows start at; those that leave it are not `seen`.
+/// What is tried for one fly.
 struct Trials {
   static constexpr std::size_t kCapacity = static_cast<std::size_t>(kMaxScouts) + 16;
-  HWY_ALIGN float disparity_px[kCapacity], likeness[kCapacity];
-  HWY_ALIGN std::int32_t column[kCapacity];
+  HWY_ALIGN float disparity_px[kCapacity];
+  HWY_ALIGN float unseen[kCapacity];         ///< minus infinity where the row would leave the right image, else 0
+  HWY_ALIGN std::int32_t column[kCapacity];  ///< of the right image that the row starts at; 0 where it would leave it
   HWY_ALIGN std::int32_t covariance[kCapacity], sum[kCapacity], squares[kCapacity];  ///< the first times n
 };
 
@@ -117,9 +120,9 @@ HWY_INLINE void choose(const ScoutSearch& search, const Sights& sights, std::siz
     const V first =
         hn::Sub(hn::Sub(hn::Set(d, sights.u_px[fly]), disparity), hn::Set(d, static_cast<float>(kReach_px)));
     const auto seen = hn::And(hn::Ge(first, hn::Zero(d)), hn::Lt(first, hn::Add(last_column, hn::Set(d, 0.5F))));
-    const V safe = hn::IfThenElse(seen, hn::Add(first, hn::Set(d, 0.5F)), hn::Set(d, -1.0F));
     hn::Store(disparity, d, trials.disparity_px + k);
-    hn::Store(hn::ConvertTo(d32, safe), d32, trials.column + k);
+    hn::Store(hn::IfThenZeroElse(seen, hn::Set(d, kNone)), d, trials.unseen + k);
+    hn::Store(hn::ConvertTo(d32, hn::IfThenElseZero(seen, hn::Add(first, hn::Set(d, 0.5F)))), d32, trials.column + k);
   }
 }
 
@@ -129,7 +132,7 @@ HWY_INLINE void sum_rows(const std::uint8_t* left, const std::uint8_t* right, st
   int left_sum = 0;
   for (int i = 0; i < kRowColumns; ++i) left_sum += left[i];
   for (std::size_t k = 0; k < count; ++k) {
-    const std::uint8_t* row = right + std::max(trials.column[k], 0);
+    const std::uint8_t* row = right + trials.column[k];
     trials.covariance[k] = trials.sum[k] = trials.squares[k] = 0;
     for (int i = 0; i < kRowColumns; ++i) {
       trials.covariance[k] += (kRowColumns * left[i] - left_sum) * row[i];
@@ -141,90 +144,113 @@ HWY_INLINE void sum_rows(const std::uint8_t* left, const std::uint8_t* right, st
 
 #else
 
-using D8 = hn::FixedTag<std::uint8_t, 16>;
-using D16 = hn::FixedTag<std::int16_t, 8>;
-using D4x32 = hn::FixedTag<std::int32_t, 4>;
-using V4x32 = hn::Vec<D4x32>;
+using D16 = hn::CappedTag<std::int16_t, 16>;
+using D8 = hn::Rebind<std::uint8_t, D16>;
+using DSums = hn::RepartitionToWide<D16>;
+using V16 = hn::Vec<D16>;
+using VSums = hn::Vec<DSums>;
 
-/// The two halves of 16 columns.
+/// 16 columns of a row in one vector or two.
+constexpr std::size_t kColumnLanes = hn::MaxLanes(D16());
+constexpr std::size_t kParts = 16 / kColumnLanes;
 struct Row {
-  hn::Vec<D16> first, last;
+  V16 part[kParts];
 };
 
-HWY_INLINE Row load(const std::uint8_t* row, hn::Vec<D8> inside) {
-  const auto pixels = hn::And(hn::LoadU(D8(), row), inside);
-  const hn::Half<D8> half;
-  return {hn::PromoteTo(D16(), hn::LowerHalf(half, pixels)), hn::PromoteTo(D16(), hn::UpperHalf(half, pixels))};
+/// The columns of a row, and 0 behind them.
+HWY_INLINE Row load(const std::uint8_t* row) {
+  alignas(16) static constexpr std::uint8_t kInside[16] = {255, 255, 255, 255, 255, 255, 255,
+                                                           255, 255, 255, 255, 255, 255};
+  Row loaded;
+  for (std::size_t i = 0; i < kParts; ++i) {
+    const auto pixels = hn::And(hn::LoadU(D8(), row + i * kColumnLanes), hn::Load(D8(), kInside + i * kColumnLanes));
+    loaded.part[i] = hn::PromoteTo(D16(), pixels);
+  }
+  return loaded;
 }
 
-HWY_INLINE V4x32 pair_products(hn::Vec<D16> a, hn::Vec<D16> b) {
-  const D4x32 d;
-  V4x32 high = hn::Zero(d);
-  const V4x32 low = hn::ReorderWidenMulAccumulate(d, a, b, hn::Zero(d), high);
+HWY_INLINE VSums pair_products(V16 a, V16 b) {
+  const DSums d;
+  VSums high = hn::Zero(d);
+  const VSums low = hn::ReorderWidenMulAccumulate(d, a, b, hn::Zero(d), high);
   return hn::Add(low, high);
 }
 
-HWY_INLINE V4x32 sum_of_products(const Row& a, const Row& b) {
-  return hn::Add(pair_products(a.first, b.first), pair_products(a.last, b.last));
+HWY_INLINE VSums sum_of_products(const Row& a, const Row& b) {
+  VSums sum = pair_products(a.part[0], b.part[0]);
+  if constexpr (kParts == 2) sum = hn::Add(sum, pair_products(a.part[kParts - 1], b.part[kParts - 1]));
+  return sum;
 }
 
-/// The sums of the lanes of four vectors.
-HWY_INLINE V4x32 fold(const V4x32 (&v)[4]) {
-  const D4x32 d;
-  const auto pairs = [&](V4x32 a, V4x32 b)
-                         HWY_ATTR { return hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b)); };
-  const V4x32 low = pairs(v[0], v[1]), high = pairs(v[2], v[3]);
-  return hn::Add(hn::ConcatLowerLower(d, high, low), hn::ConcatUpperUpper(d, high, low));
+HWY_INLINE VSums sum_of(const Row& a) {
+  const V16 pixels = kParts == 2 ? hn::Add(a.part[0], a.part[kParts - 1]) : a.part[0];
+  return pair_products(pixels, hn::Set(D16(), 1));
+}
+
+/// The sums of the lanes of each of four vectors.
+HWY_INLINE void store_sums(const VSums (&v)[4], std::int32_t* sums) {
+  const DSums d;
+  const hn::RepartitionToWide<DSums> d64;
+  const auto pairs = [&](VSums a, VSums b) HWY_ATTR {
+    return hn::BitCast(d64, hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b)));
+  };
+  const auto low = pairs(v[0], v[1]), high = pairs(v[2], v[3]);
+  const VSums all =
+      hn::Add(hn::BitCast(d, hn::InterleaveLower(d64, low, high)), hn::BitCast(d, hn::InterleaveUpper(d64, low, high)));
+  const hn::FixedTag<std::int32_t, 4> d4;
+#if HWY_MAX_BYTES >= 32
+  hn::Store(hn::Add(hn::LowerHalf(d4, all), hn::UpperHalf(d4, all)), d4, sums);
+#else
+  hn::Store(all, d4, sums);
+#endif
 }
 
 /// Exact: none of the sums exceeds 25 bits.
 HWY_INLINE void sum_rows(const std::uint8_t* left, const std::uint8_t* right, std::size_t count, Trials& trials) {
-  const D4x32 d;
   const D16 d16;
-  const auto inside = hn::VecFromMask(D8(), hn::FirstN(D8(), kRowColumns));
-  const auto one = hn::Set(d16, 1);
-  const Row l = load(left, inside);
-  const V4x32 left_pairs = pair_products(hn::Add(l.first, l.last), one);
-  const auto left_sum = hn::Set(d16, static_cast<std::int16_t>(hn::GetLane(hn::SumOfLanes(d, left_pairs))));
-  // Columns behind the row are 0 on the right.
-  const auto centre = [&](hn::Vec<D16> pixels)
-                          HWY_ATTR { return hn::Sub(hn::Mul(pixels, hn::Set(d16, kRowColumns)), left_sum); };
-  const Row centred = {centre(l.first), centre(l.last)};
+  const Row l = load(left);
+  const auto left_sum = hn::Set(d16, static_cast<std::int16_t>(hn::GetLane(hn::SumOfLanes(DSums(), sum_of(l)))));
+  Row centred;  // but for the columns behind the row, which are 0 on the right
+  for (std::size_t i = 0; i < kParts; ++i)
+    centred.part[i] = hn::Sub(hn::Mul(l.part[i], hn::Set(d16, kRowColumns)), left_sum);
   for (std::size_t k = 0; k < count; k += 4) {
-    V4x32 covariance[4], sum[4], squares[4];
+    VSums covariance[4], sum[4], squares[4];
     for (std::size_t i = 0; i < 4; ++i) {
-      const Row r = load(right + std::max(trials.column[k + i], 0), inside);
+      const Row r = load(right + trials.column[k + i]);
       covariance[i] = sum_of_products(centred, r);
-      sum[i] = pair_products(hn::Add(r.first, r.last), one);
+      sum[i] = sum_of(r);
       squares[i] = sum_of_products(r, r);
     }
-    hn::Store(fold(covariance), d, trials.covariance + k);
-    hn::Store(fold(sum), d, trials.sum + k);
-    hn::Store(fold(squares), d, trials.squares + k);
+    store_sums(covariance, trials.covariance + k);
+    store_sums(sum, trials.sum + k);
+    store_sums(squares, trials.squares + k);
   }
 }
 
 #endif
 
-/// Covariance of the rows over the right one's standard deviation, squared but for its sign: orders rows that are held
-/// against the same left one as the correlation coefficient does.
-HWY_INLINE std::size_t most_alike(const ScoutSearch& search, std::size_t count, Trials& trials) {
+/// The first of the most alike rows, by their covariance over the right one's standard deviation, squared but for its
+/// sign: that orders rows which are held against the same left one as the correlation coefficient does.
+HWY_INLINE std::size_t most_alike(const ScoutSearch& search, const Trials& trials) {
   const D d;
   const D32 d32;
-  for (std::size_t k = 0; k < count; k += kLanes) {
+  V most = hn::Set(d, kNone), at = hn::Zero(d);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(search.scouts); k += kLanes) {
     const auto sum = hn::Load(d32, trials.sum + k);
     const auto variance =
         hn::Sub(hn::Mul(hn::Load(d32, trials.squares + k), hn::Set(d32, kRowColumns)), hn::Mul(sum, sum));
     const V covariance = hn::ConvertTo(d, hn::Load(d32, trials.covariance + k));
     const V likeness = hn::Div(hn::Mul(covariance, hn::Abs(covariance)),
                                hn::Add(hn::ConvertTo(d, variance), hn::Set(d, search.noise)));
-    const auto seen = hn::RebindMask(d, hn::Gt(hn::Load(d32, trials.column + k), hn::Set(d32, -1)));
-    const V none = hn::Set(d, -std::numeric_limits<float>::infinity());
-    hn::Store(hn::IfThenElse(seen, likeness, none), d, trials.likeness + k);
+    const V number = hn::Iota(d, static_cast<float>(k));
+    const V counted = hn::IfThenElse(hn::Lt(number, hn::Set(d, static_cast<float>(search.scouts))),
+                                     hn::Add(likeness, hn::Load(d, trials.unseen + k)), hn::Set(d, kNone));
+    const auto is_more = hn::Gt(counted, most);
+    most = hn::IfThenElse(is_more, counted, most);
+    at = hn::IfThenElse(is_more, number, at);
   }
-  std::size_t best = 0;
-  for (std::size_t k = 1; k < count; ++k) best = trials.likeness[k] > trials.likeness[best] ? k : best;
-  return best;
+  const V candidates = hn::IfThenElse(hn::Eq(most, hn::MaxOfLanes(d, most)), at, hn::Set(d, float{kMaxScouts}));
+  return static_cast<std::size_t>(hn::GetLane(hn::MinOfLanes(d, candidates)));
 }
 
 void ScoutFlies(const ScoutSearch& search, std::uint32_t first_fly, std::size_t count, const float* u_px,
@@ -243,8 +269,8 @@ void ScoutFlies(const ScoutSearch& search, std::uint32_t first_fly, std::size_t 
       const auto words = fly_words(search.seed, search.purpose, search.generation, fly, 0);
       choose(search, sights, k, static_cast<float>(words[0] >> 8) * 0x1p-24F, trials);
       sum_rows(search.left.row(sights.row[k]) + sights.column[k], search.right.row(sights.row[k]), scouts, trials);
-      const std::size_t best = most_alike(search, scouts, trials);
-      if (trials.column[best] >= 0) disparity_px[begin + k] = trials.disparity_px[best];
+      const std::size_t best = most_alike(search, trials);
+      if (trials.unseen[best] == 0.0F) disparity_px[begin + k] = trials.disparity_px[best];
     }
   }
 }
