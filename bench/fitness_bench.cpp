@@ -96,6 +96,7 @@ void run_score_flies(benchmark::State& state, flies::FitnessFunction function, f
   flies::FitnessOptions options;
   options.function = function;
   options.sampling = sampling;
+  options.row_step = 1;
   flies::FlyRandom random(13, 0, 0, 0);
   flies::Population flies;
   for (std::size_t i = 0; i < kEvaluations; ++i) {

@@ -127,7 +127,7 @@ TEST(Evolve, KeepsThePopulationSizeAndCountsItsEvaluations) {
   options.refine.share = 0.5;
   const auto result = run(Wall(), options);
   EXPECT_EQ(result.flies.size(), 600U);
-  EXPECT_EQ(result.evaluations, 600U + 3U * 450U + 3U * 300U);
+  EXPECT_EQ(result.evaluations, 600U + 3U * 450U + 2U * 300U);
 }
 
 TEST(Evolve, IsAFunctionOfSeedAndFrame) {

@@ -39,15 +39,16 @@ kernels::PatchImages patch_images(const RectifiedPair& pair, const FitnessOption
   const auto end = [](const GrayView& image) { return image.row(image.height_px - 1) + image.width_px; };
   return {.left_end = end(pair.left),
           .right_end = end(pair.right),
-          .left_stride = pair.left.stride,
-          .right_stride = pair.right.stride,
+          .left_stride = options.row_step * pair.left.stride,
+          .right_stride = options.row_step * pair.right.stride,
           .columns = 2 * options.half_width_px + 1,
-          .rows = 2 * options.half_height_px + 1};
+          .rows = 2 * (options.half_height_px / options.row_step) + 1};
 }
 
 Located locate(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
                std::span<const float> v_px, std::span<const float> disparity_px) {
   const int half_u = options.half_width_px, half_v = options.half_height_px;
+  const int first_row = -(half_v - half_v % options.row_step);
   const int width = pair.left.width_px, height = pair.left.height_px;
   const bool nearest = options.sampling == PatchSampling::nearest;
   Located located;
@@ -64,8 +65,8 @@ Located locate(const RectifiedPair& pair, const FitnessOptions& options, std::sp
     if (u_left - half_u < 0 || u_left + half_u >= width || v - half_v < 0 || v + half_v >= height ||
         u_right - half_u < 0 || u_right + half_u + 1 >= width)
       continue;
-    located.places[located.count] = {.left = pair.left.row(v - half_v) + u_left - half_u,
-                                     .right = pair.right.row(v - half_v) + u_right - half_u,
+    located.places[located.count] = {.left = pair.left.row(v + first_row) + u_left - half_u,
+                                     .right = pair.right.row(v + first_row) + u_right - half_u,
                                      .fraction16 = u_right16 & (kernels::kScale - 1)};
     located.index[located.count++] = static_cast<std::uint32_t>(i);
   }
@@ -75,7 +76,8 @@ Located locate(const RectifiedPair& pair, const FitnessOptions& options, std::sp
 /// Eq. (1) from its summed squared differences in (1/16 grey level)^2.
 double louchet(const kernels::PatchPlace& place, std::ptrdiff_t stride, const FitnessOptions& options,
                std::int64_t squared_differences) {
-  const std::uint8_t* centre = place.left + options.half_height_px * stride + options.half_width_px;
+  const int rows_above = options.half_height_px - options.half_height_px % options.row_step;
+  const std::uint8_t* centre = place.left + rows_above * stride + options.half_width_px;
   const double gradient_u = 0.5 * (centre[1] - centre[-1]);
   const double gradient_v = 0.5 * (centre[stride] - centre[-stride]);
   const double denominator = options.louchet_constant + static_cast<double>(squared_differences) / 256.0;
@@ -184,7 +186,7 @@ void score_points(const RectifiedPair& pair, const FitnessOptions& options, std:
           case FitnessFunction::louchet:
             return evaluate_block<std::int64_t>(images, located, values, kernel.sum_squared_differences,
                                                 [&](std::int64_t sum, const PatchPlace& place) {
-                                                  return louchet(place, images.left_stride, options, sum);
+                                                  return louchet(place, pair.left.stride, options, sum);
                                                 });
           case FitnessFunction::covariance:
             // Eq. (2), not below 0: a fitness serves as a weight.

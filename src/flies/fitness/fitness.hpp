@@ -38,6 +38,7 @@ struct FitnessOptions {
   PatchSampling sampling = PatchSampling::subpixel;
   int half_width_px = 6;   ///< uSz: the patch has 2 uSz + 1 columns
   int half_height_px = 9;  ///< vSz: the patch has 2 vSz + 1 rows
+  int row_step = 3;        ///< of those, the middle one and every so many above and below are compared
   double louchet_constant = 100.0;
   double correlation_power = 6.0;
   double contrast_power = 0.25;
@@ -49,6 +50,7 @@ struct FitnessOptions {
     field("sampling", self.sampling, "nearest: whole pixels; subpixel: right patch interpolated along its row");
     field("half_width_px", self.half_width_px, Range{1, 12}, "uSz, columns to each side of the projection");
     field("half_height_px", self.half_height_px, Range{1, 16}, "vSz, rows above and below the projection");
+    field("row_step", self.row_step, Range{1, 16}, "every so many rows of the patch are compared; 1: all of them");
     field("louchet_constant", self.louchet_constant, Range{1e-6, 1e9},
           "added to the summed squared differences of Eq. (1), squared grey levels");
     field("correlation_power", self.correlation_power, Range{1, 32},

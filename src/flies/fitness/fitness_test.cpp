@@ -49,6 +49,7 @@ FitnessOptions with(FitnessFunction function, PatchSampling sampling = PatchSamp
   FitnessOptions options;
   options.function = function;
   options.sampling = sampling;
+  options.row_step = 1;
   return options;
 }
 
@@ -77,6 +78,7 @@ TEST(ScorePoint, MatchesTheReferenceForEveryPatchSize) {
           auto options = with(function, sampling);
           options.half_width_px = half_u;
           options.half_height_px = half_v;
+          options.row_step = 1 + (half_u + half_v) % 4;
           expect_matches_reference(pair.view(), options, {47.3, 31.8, 9.0 + 3 * kSubpixelStep});
           expect_matches_reference(pair.view(), options, {47.0, 31.0, 9.0});
         }
@@ -86,10 +88,14 @@ TEST(ScorePoint, MatchesTheReferenceUpToTheBorders) {
   const auto pair = shifted_noise(4, 40, 30);
   for (const auto function : kFunctions)
     for (const auto sampling : kSamplings)
-      for (int u = -2; u < 43; ++u)
-        for (int v = -2; v < 33; ++v)
-          expect_matches_reference(pair.view(), with(function, sampling),
-                                   {static_cast<double>(u), static_cast<double>(v), 4.0 + 5 * kSubpixelStep});
+      for (const int row_step : {1, 2, 16}) {
+        auto options = with(function, sampling);
+        options.row_step = row_step;
+        for (int u = -2; u < 43; ++u)
+          for (int v = -2; v < 33; ++v)
+            expect_matches_reference(pair.view(), options,
+                                     {static_cast<double>(u), static_cast<double>(v), 4.0 + 5 * kSubpixelStep});
+      }
 }
 
 TEST(ScorePoint, MatchesTheReferenceOnSaturatedImages) {

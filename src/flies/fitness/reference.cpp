@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace flies {
 namespace {
@@ -37,14 +38,22 @@ class Neighbourhoods {
   double u_right_;
 };
 
+/// The j of the equations, or every so many of them.
+std::vector<int> compared_rows(const FitnessOptions& options) {
+  std::vector<int> rows;
+  for (int j = -options.half_height_px; j <= options.half_height_px; ++j)
+    if (j % options.row_step == 0) rows.push_back(j);
+  return rows;
+}
+
 /// Eq. (1).
 double louchet(const Neighbourhoods& n, const FitnessOptions& options) {
-  const int uSz = options.half_width_px, vSz = options.half_height_px;
+  const int uSz = options.half_width_px;
   const double gradient_u = (n.left(1, 0) - n.left(-1, 0)) / 2.0;
   const double gradient_v = (n.left(0, 1) - n.left(0, -1)) / 2.0;
   const double G = std::sqrt(std::hypot(gradient_u, gradient_v));
   double squared_differences = 0.0;
-  for (int j = -vSz; j <= vSz; ++j)
+  for (const int j : compared_rows(options))
     for (int i = -uSz; i <= uSz; ++i) squared_differences += std::pow(n.left(i, j) - n.right(i, j), 2);
   return G / (options.louchet_constant + squared_differences);
 }
@@ -74,7 +83,7 @@ RowMoments row_moments(const Neighbourhoods& n, int uSz, int j) {
 /// Eq. (2). Its sum is negative where the neighbourhoods are opposite; a fitness is a weight, so it ends at 0.
 double covariance(const Neighbourhoods& n, const FitnessOptions& options) {
   double sum = 0.0;
-  for (int j = -options.half_height_px; j <= options.half_height_px; ++j) {
+  for (const int j : compared_rows(options)) {
     const auto row = row_moments(n, options.half_width_px, j);
     const double C = row.covariance;
     const double D = std::exp(-std::abs(row.left_mean - row.right_mean));
@@ -86,14 +95,14 @@ double covariance(const Neighbourhoods& n, const FitnessOptions& options) {
 /// z^p (mean covariance)^q, z the correlation coefficient of the row-centred neighbourhoods with a noise floor.
 double correlation(const Neighbourhoods& n, const FitnessOptions& options) {
   double C = 0.0, left_variance = 0.0, right_variance = 0.0;
-  for (int j = -options.half_height_px; j <= options.half_height_px; ++j) {
+  for (const int j : compared_rows(options)) {
     const auto row = row_moments(n, options.half_width_px, j);
     C += row.covariance;
     left_variance += row.left_variance;
     right_variance += row.right_variance;
   }
   if (C <= 0.0) return 0.0;
-  const double pixels = (2.0 * options.half_width_px + 1.0) * (2.0 * options.half_height_px + 1.0);
+  const double pixels = (2.0 * options.half_width_px + 1.0) * static_cast<double>(compared_rows(options).size());
   const double noise = pixels * options.noise_gray * options.noise_gray;
   const double z = C / std::sqrt((left_variance + noise) * (right_variance + noise));
   return std::pow(z, options.correlation_power) * std::pow(C / pixels, options.contrast_power);

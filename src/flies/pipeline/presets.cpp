@@ -11,6 +11,7 @@ DetectorOptions paper_options() {
   o.field = {.x_min_m = 4.0, .x_max_m = 45.0, .y_min_m = -20.0, .y_max_m = 20.0, .z_min_m = 0.0, .z_max_m = 2.0};
   o.fitness.function = FitnessFunction::covariance;
   o.fitness.sampling = PatchSampling::nearest;
+  o.fitness.row_step = 1;
   o.road.estimate = false;
   o.evolve.flies = 3000;
   o.evolve.generations = 3;

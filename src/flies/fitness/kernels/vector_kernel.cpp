@@ -298,13 +298,16 @@ HWY_INLINE void evaluate(const PatchImages& images, int rows, int columns, std::
   }
 }
 
-/// The usual patch has code of its own: loops of known length.
-constexpr int kUsualColumns = 13, kUsualRows = 19;
+/// The usual patches, the whole one of the paper and every third row of it, have code of their own: loops of known
+/// length.
+constexpr int kUsualColumns = 13, kUsualRows = 19, kUsualFewRows = 7;
 
 template <template <int> class Kernel>
 void evaluate_all(const PatchImages& images, std::span<const PatchPlace> places, typename Kernel<1>::Result* results) {
   if (images.columns == kUsualColumns && images.rows == kUsualRows)
     evaluate<Kernel<1>, 1>(images, kUsualRows, kUsualColumns, places, results);
+  else if (images.columns == kUsualColumns && images.rows == kUsualFewRows)
+    evaluate<Kernel<1>, 1>(images, kUsualFewRows, kUsualColumns, places, results);
   else if (images.columns <= kChunkColumns)
     evaluate<Kernel<1>, 1>(images, images.rows, images.columns, places, results);
   else
