@@ -54,6 +54,7 @@ TEST_P(CorrelateShifts, GivesTheCoefficientsOfCorrelatePoint) {
   FitnessOptions options;
   options.half_width_px = kShiftColumns / 2;
   options.half_height_px = kShiftRows / 2;
+  options.row_step = 1;
   options.noise_gray = kNoise_gray;
   for (const bool saturated : {false, true}) {
     const auto left = noise(0, saturated), right = noise(1, saturated);
