@@ -4,194 +4,172 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <cstdint>
-#include <numbers>
 
-#include "flies/classify/dot.hpp"
-#include "flies/classify/vector_clones.hpp"
+#include "flies/classify/kernels/orientations.hpp"
 
 namespace flies {
 namespace {
 
-/// Floats kept for the orientations of a column: whole vectors. Nine are the rule, 64 the most that a geometry has.
-constexpr std::size_t kFewBins = 12, kManyBins = 64;
+using kernels::kBinsAside;
+using kernels::kRowPadding;
+using kernels::kRowsAtOnce;
 
-/// What the pixels of a row vote for: a share of their gradient's magnitude for the orientation below their own, the
-/// rest for the one above.
-struct RowVotes {
-  std::vector<std::int32_t> lower, upper;  ///< column times `bin_stride` plus orientation
-  std::vector<float> for_lower, for_upper;
-  std::vector<float> magnitude, place;
+constexpr std::size_t rounded_up(std::size_t size, std::size_t step) { return (size + step - 1) / step * step; }
 
-  explicit RowVotes(std::size_t width)
-      : lower(width), upper(width), for_lower(width), for_upper(width), magnitude(width), place(width) {}
+/// Weights of a block's pixels for one of its cells along one axis: those that are not zero.
+struct AxisWeights {
+  int first = 0;  ///< pixel of the block
+  std::vector<float> values;
+
+  float at(int pixel) const {
+    const int i = pixel - first;
+    return i >= 0 && i < static_cast<int>(values.size()) ? values[static_cast<std::size_t>(i)] : 0.0F;
+  }
+
+  /// Each as often as bins stand side by side, filled up with zeros to whole vectors.
+  std::vector<float> aside() const {
+    std::vector<float> repeated;
+    for (const float value : values) repeated.insert(repeated.end(), kBinsAside, value);
+    repeated.resize(rounded_up(repeated.size(), kRowPadding), 0.0F);
+    return repeated;
+  }
 };
-
-/// Angle of (x, y) above the x axis over pi, where y is not negative: 0 to 1. Polynomial of OpenCV's fastAtan2, off by
-/// less than 0.01 degrees.
-inline float half_turns(float x, float y) {
-  constexpr float kTiny = 1e-20F;
-  const float ax = std::abs(x);
-  const float ratio = std::min(ax, y) / (std::max(ax, y) + kTiny);
-  const float square = ratio * ratio;
-  constexpr auto kPi = static_cast<float>(std::numbers::pi);
-  const float turn = (((-0.04432655554792128F * square + 0.1555786518463281F) * square - 0.3258083974640975F) * square +
-                      0.9997878412794807F) *
-                     ratio / kPi;
-  const float acute = y > ax ? 0.5F - turn : turn;
-  return x < 0.0F ? 1.0F - acute : acute;
-}
-
-FLIES_VECTOR_CLONES void vote(const FloatImage& pixels, int v, int bins, int bin_stride, RowVotes& votes) {
-  const auto width = static_cast<int>(votes.lower.size());
-  const float* const above = pixels.row(v) + 1;
-  const float* const here = pixels.row(v + 1);
-  const float* const below = pixels.row(v + 2) + 1;
-  float* const m = votes.magnitude.data();
-  float* const p = votes.place.data();
-  for (int u = 0; u < width; ++u) {
-    const float du = here[u + 2] - here[u], dv = below[u] - above[u];
-    m[u] = std::sqrt(du * du + dv * dv);
-    // Opposite gradients count as one: a light coat before a dark wall is a dark coat before a light wall.
-    p[u] = half_turns(dv < 0.0F ? -du : du, std::abs(dv)) * static_cast<float>(bins) + 0.5F;
-  }
-  std::int32_t* const lower = votes.lower.data();
-  std::int32_t* const upper = votes.upper.data();
-  float* const for_lower = votes.for_lower.data();
-  float* const for_upper = votes.for_upper.data();
-  for (int u = 0; u < width; ++u) {
-    const auto above_bin = static_cast<std::int32_t>(p[u]);  // 0 to bins: the bin whose centre lies above, of a ring
-    const float share = m[u] * (p[u] - static_cast<float>(above_bin));
-    upper[u] = u * bin_stride + (above_bin == bins ? 0 : above_bin);
-    lower[u] = u * bin_stride + (above_bin == 0 ? bins : above_bin) - 1;
-    for_upper[u] = share;
-    for_lower[u] = m[u] - share;
-  }
-}
 
 /// Weight of every pixel of a block for every of its cells along one axis: Gaussian about the middle of the block times
 /// linear interpolation between the middles of the cells. Both factor into axes, and so the histogram of a cell is a
 /// sum over columns of sums over rows. Values as in `cv::HOGDescriptor`.
-std::vector<std::vector<float>> axis_weights(const HogGeometry& geometry) {
+std::vector<AxisWeights> axis_weights(const HogGeometry& geometry) {
   const int cells = geometry.block_px / geometry.cell_px;
   const double sigma_px = geometry.block_px / 4.0;
-  std::vector<std::vector<float>> weights(static_cast<std::size_t>(cells));
+  std::vector<AxisWeights> weights(static_cast<std::size_t>(cells));
   for (int c = 0; c < cells; ++c) {
+    AxisWeights& of_cell = weights[static_cast<std::size_t>(c)];
     for (int i = 0; i < geometry.block_px; ++i) {
       const double from_middle_px = i - geometry.block_px * 0.5;
       const double gauss = std::exp(-from_middle_px * from_middle_px / (2.0 * sigma_px * sigma_px));
-      const double place = (i + 0.5) / geometry.cell_px - 0.5;
-      weights[static_cast<std::size_t>(c)].push_back(
-          static_cast<float>(gauss * std::max(0.0, 1.0 - std::abs(place - c))));
+      const double share = 1.0 - std::abs((i + 0.5) / geometry.cell_px - 0.5 - c);
+      if (share <= 0.0) continue;
+      if (of_cell.values.empty()) of_cell.first = i;
+      of_cell.values.push_back(static_cast<float>(gauss * share));
     }
   }
   return weights;
 }
 
-/// L2-Hys: unit length, no number above 0.2, unit length again. The small constants are those of `cv::HOGDescriptor`.
-void normalise(float* block, std::size_t size) {
-  constexpr float kClip = 0.2F;
-  const float first = 1.0F / (std::sqrt(dot(block, block, size)) + 0.1F * static_cast<float>(size));
-  for (std::size_t i = 0; i < size; ++i) block[i] = std::min(block[i] * first, kClip);
-  const float second = 1.0F / (std::sqrt(dot(block, block, size)) + 1e-3F);
-  for (std::size_t i = 0; i < size; ++i) block[i] *= second;
-}
+/// The histograms of all cells, from the gradients of the pixels.
+class CellSums {
+ public:
+  CellSums(const FloatImage& pixels, const HogGeometry& geometry, HogBlocks& blocks)
+      : pixels_(pixels),
+        geometry_(geometry),
+        weights_(axis_weights(geometry)),
+        weights_aside_(weights_.size()),
+        bins_(static_cast<std::size_t>(geometry.bins)),
+        width_(static_cast<std::size_t>(pixels.width_px - 2 * kHogMargin_px)),
+        plane_size_(rounded_up(width_, kRowPadding)),
+        sums_size_(rounded_up(bins_, kBinsAside) * plane_size_),
+        // Rows of blocks that have begun and are not finished.
+        live_rows_((geometry.block_px + static_cast<int>(kRowsAtOnce)) / geometry.stride_px + 2),
+        votes_(kRowsAtOnce * bins_ * plane_size_, 0.0F),
+        sums_(static_cast<std::size_t>(live_rows_) * weights_.size() * sums_size_, 0.0F),
+        aside_(sums_size_ + kRowPadding, 0.0F),
+        histograms_(kBinsAside * static_cast<std::size_t>(blocks.columns)),
+        blocks_(blocks) {
+    std::transform(weights_.begin(), weights_.end(), weights_aside_.begin(), [](const auto& w) { return w.aside(); });
+  }
 
-/// Where a row's votes go: the sums over the rows of one row of cells in one row of blocks.
-struct Target {
-  float* sums = nullptr;
-  float weight = 0.0F;
+  void add_up() {
+    const int height = pixels_.height_px - 2 * kHogMargin_px, step = kRowsAtOnce;
+    int finished = 0;
+    for (int v = 0; v < height; v += step) {
+      for (int r = 0; r < step && v + r < height; ++r) vote(v + r, r);
+      for (int row = finished; row < blocks_.rows && row * geometry_.stride_px < v + step; ++row) add(v, row);
+      for (; finished < blocks_.rows && finished * geometry_.stride_px + geometry_.block_px <= v + step; ++finished)
+        finish(finished);
+    }
+  }
+
+ private:
+  float* sums_of(int row, std::size_t cell) {
+    return sums_.data() + (static_cast<std::size_t>(row % live_rows_) * weights_.size() + cell) * sums_size_;
+  }
+
+  void vote(int v, int r) {
+    kernels::vote_row({pixels_.row(v) + 1, pixels_.row(v + 1) + 1, pixels_.row(v + 2) + 1}, width_, geometry_.bins,
+                      plane_size_, votes_.data() + static_cast<std::size_t>(r) * bins_ * plane_size_);
+  }
+
+  /// The votes of the rows from v on to the cells of a row of blocks. Rows below the last have no weight.
+  void add(int v, int row) {
+    for (std::size_t cell = 0; cell < weights_.size(); ++cell) {
+      std::array<float, kRowsAtOnce> weights;
+      for (int r = 0; r < static_cast<int>(kRowsAtOnce); ++r)
+        weights[static_cast<std::size_t>(r)] = weights_[cell].at(v + r - row * geometry_.stride_px);
+      if (std::any_of(weights.begin(), weights.end(), [](float weight) { return weight > 0.0F; }))
+        kernels::add_rows(votes_.data(), weights, bins_ * plane_size_, sums_of(row, cell));
+    }
+  }
+
+  /// The other axis: columns to cells, and the sums are free for another row.
+  void finish(int row) {
+    const std::size_t cells = weights_.size();
+    for (std::size_t cell_v = 0; cell_v < cells; ++cell_v) {
+      float* const sums = sums_of(row, cell_v);
+      for (std::size_t bin = 0; bin < bins_; bin += kBinsAside)
+        kernels::interleave(sums + bin * plane_size_, plane_size_, aside_.data() + bin * plane_size_);
+      std::fill_n(sums, sums_size_, 0.0F);
+      for (std::size_t cell_u = 0; cell_u < cells; ++cell_u)
+        for (std::size_t bin = 0; bin < bins_; bin += kBinsAside) add_columns(row, cell_u, cell_v, bin);
+    }
+    for (int column = 0; column < blocks_.columns; ++column)
+      kernels::normalise_block(blocks_.block(column, row), blocks_.block_size);
+  }
+
+  /// Four bins of one cell of every block of a row.
+  void add_columns(int row, std::size_t cell_u, std::size_t cell_v, std::size_t bin) {
+    const std::vector<float>& weights = weights_aside_[cell_u];
+    kernels::add_columns(
+        aside_.data() + bin * plane_size_ + kBinsAside * static_cast<std::size_t>(weights_[cell_u].first),
+        weights.data(), weights.size() / kBinsAside, static_cast<std::size_t>(geometry_.stride_px),
+        static_cast<std::size_t>(blocks_.columns), histograms_.data());
+    const float* histogram = histograms_.data();
+    for (int column = 0; column < blocks_.columns; ++column, histogram += kBinsAside)
+      std::copy_n(histogram, std::min(kBinsAside, bins_ - bin),
+                  blocks_.block(column, row) + (cell_u * weights_.size() + cell_v) * bins_ + bin);
+  }
+
+  const FloatImage& pixels_;
+  const HogGeometry& geometry_;
+  std::vector<AxisWeights> weights_;
+  std::vector<std::vector<float>> weights_aside_;
+  std::size_t bins_, width_, plane_size_, sums_size_;
+  int live_rows_;
+  std::vector<float> votes_;       ///< of `kRowsAtOnce` rows, a plane a bin
+  std::vector<float> sums_;        ///< of the rows of cells in the live rows of blocks, a plane a bin
+  std::vector<float> aside_;       ///< of one row of cells, four bins side by side
+  std::vector<float> histograms_;  ///< four bins of a cell of every column of blocks
+  HogBlocks& blocks_;
 };
-
-/// A row belongs to three rows of cells in Dalal and Triggs' geometry; others fill up with targets of no weight.
-constexpr std::size_t kTargets = 3;
-
-void add_votes(const RowVotes& votes, const std::array<Target, kTargets>& targets) {
-  const auto [a, b, c] = targets;
-  for (std::size_t u = 0; u < votes.lower.size(); ++u) {
-    const std::int32_t lower = votes.lower[u], upper = votes.upper[u];
-    const float for_lower = votes.for_lower[u], for_upper = votes.for_upper[u];
-    a.sums[lower] += a.weight * for_lower;
-    a.sums[upper] += a.weight * for_upper;
-    b.sums[lower] += b.weight * for_lower;
-    b.sums[upper] += b.weight * for_upper;
-    c.sums[lower] += c.weight * for_lower;
-    c.sums[upper] += c.weight * for_upper;
-  }
-}
-
-/// The other axis: the sums of a block's columns, weighted, to the histograms of its cells.
-/// @tparam kBinStride number of floats from one column to the next, so that sums stay in registers
-template <std::size_t kBinStride>
-void add_columns(const float* sums, const std::vector<float>& weights, std::size_t bins, float* histogram) {
-  std::array<float, kBinStride> total{};
-  for (const float weight : weights) {
-    for (std::size_t bin = 0; bin < kBinStride; ++bin) total[bin] += weight * sums[bin];
-    sums += kBinStride;
-  }
-  std::copy_n(total.begin(), bins, histogram);
-}
 
 }  // namespace
 
 HogBlocks hog_blocks(FloatImage pixels, const HogGeometry& geometry) {
-  if (geometry.gamma)
-    for (float& value : pixels.values) value = std::sqrt(value);
-  const auto weights = axis_weights(geometry);
-  const auto bins = static_cast<std::size_t>(geometry.bins), cells = weights.size();
-  const std::size_t bin_stride = bins <= kFewBins ? kFewBins : kManyBins;
-  const int width = pixels.width_px - 2 * kHogMargin_px, height = pixels.height_px - 2 * kHogMargin_px;
-  const auto count = [&](int size_px) {
+  const std::size_t count = pixels.values.size();
+  pixels.values.resize(rounded_up(count, kRowPadding) + kRowPadding, 0.0F);
+  if (geometry.gamma) kernels::square_roots(pixels.values.data(), count);
+  const auto blocks_along = [&](int size_px) {
+    size_px -= 2 * kHogMargin_px;
     assert(size_px >= geometry.block_px && (size_px - geometry.block_px) % geometry.stride_px == 0);
     return (size_px - geometry.block_px) / geometry.stride_px + 1;
   };
-  HogBlocks blocks{count(width), count(height), cells * cells * bins, {}};
-
-  // Rows of pixels to rows of cells. The last sums are nobody's.
-  const std::size_t sums_size = static_cast<std::size_t>(width) * bin_stride;
-  const std::size_t cell_rows = static_cast<std::size_t>(blocks.rows) * cells;
-  std::vector<float> sums((cell_rows + 1) * sums_size, 0.0F);
-  RowVotes votes(static_cast<std::size_t>(width));
-  for (int v = 0; v < height; ++v) {
-    vote(pixels, v, geometry.bins, static_cast<int>(bin_stride), votes);
-    std::array<Target, kTargets> targets;
-    targets.fill({sums.data() + cell_rows * sums_size, 0.0F});
-    std::size_t used = 0;
-    const int first = std::max(0, (v - geometry.block_px + geometry.stride_px) / geometry.stride_px);
-    for (int row = first; row < blocks.rows && row * geometry.stride_px <= v; ++row) {
-      for (std::size_t cell = 0; cell < cells; ++cell) {
-        const float weight = weights[cell][static_cast<std::size_t>(v - row * geometry.stride_px)];
-        if (weight == 0.0F) continue;
-        targets[used++] = {sums.data() + (static_cast<std::size_t>(row) * cells + cell) * sums_size, weight};
-        if (used < kTargets) continue;
-        add_votes(votes, targets);
-        targets.fill({sums.data() + cell_rows * sums_size, 0.0F});
-        used = 0;
-      }
-    }
-    if (used > 0) add_votes(votes, targets);
-  }
-
-  // Columns of pixels to cells, cells to blocks.
+  const auto cells = static_cast<std::size_t>(geometry.block_px / geometry.cell_px);
+  HogBlocks blocks{blocks_along(pixels.width_px),
+                   blocks_along(pixels.height_px),
+                   cells * cells * static_cast<std::size_t>(geometry.bins),
+                   {}};
   blocks.values.resize(static_cast<std::size_t>(blocks.columns) * static_cast<std::size_t>(blocks.rows) *
                        blocks.block_size);
-  float* block = blocks.values.data();
-  for (int column = 0; column < blocks.columns; ++column) {
-    for (int row = 0; row < blocks.rows; ++row, block += blocks.block_size) {
-      for (std::size_t cell_v = 0; cell_v < cells; ++cell_v) {
-        const float* const of_row = sums.data() + (static_cast<std::size_t>(row) * cells + cell_v) * sums_size +
-                                    static_cast<std::size_t>(column * geometry.stride_px) * bin_stride;
-        for (std::size_t cell_u = 0; cell_u < cells; ++cell_u) {
-          float* const histogram = block + (cell_u * cells + cell_v) * bins;
-          if (bin_stride == kFewBins)
-            add_columns<kFewBins>(of_row, weights[cell_u], bins, histogram);
-          else
-            add_columns<kManyBins>(of_row, weights[cell_u], bins, histogram);
-        }
-      }
-      normalise(block, blocks.block_size);
-    }
-  }
+  CellSums(pixels, geometry, blocks).add_up();
   return blocks;
 }
 

@@ -16,10 +16,12 @@ struct HogBlocks {
   std::size_t block_size = 0;  ///< cells of a block times bins
   std::vector<float> values;
 
-  const float* block(int column, int row) const {
-    return values.data() +
-           (static_cast<std::size_t>(column) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row)) *
-               block_size;
+  const float* block(int column, int row) const { return values.data() + start(column, row); }
+  float* block(int column, int row) { return values.data() + start(column, row); }
+
+  std::size_t start(int column, int row) const {
+    return (static_cast<std::size_t>(column) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row)) *
+           block_size;
   }
 };
 

@@ -1,6 +1,7 @@
 #include "flies/classify/hog.hpp"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <cmath>
 #include <limits>
@@ -79,6 +80,27 @@ TEST(HogFeatures, AreThoseOfOpencv) {
     hog.gammaCorrection = gamma;
     hog.compute(image, theirs, {}, {}, {{kHogMargin_px, kHogMargin_px}});
     for (std::size_t i = 0; i < ours.size(); ++i) ASSERT_NEAR(ours[i], theirs[i], kFeatureTolerance) << i;
+  }
+}
+
+TEST(WindowFeatures, AreTheSameOnEveryTarget) {
+  const cv::Mat image = noise_image(90, 170);
+  HogGeometry many_bins;
+  many_bins.bins = 18;
+  many_bins.cell_px = 4;
+  for (const HogGeometry& geometry : {HogGeometry{}, many_bins}) {
+    // Enlarged, little and much reduced; the last ends with the image, behind which nothing may be read.
+    for (const ImageBox& box :
+         {window(3.3, 2.1, 40, 80), window(20, 30, 60, 120), window(-10, -5, 100, 200), window(10, 10, 80, 160)}) {
+      std::vector<float> expected(feature_count(geometry)), found(expected.size());
+      window_features(view_of(image), box, geometry, expected);
+      for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+        hwy::SetSupportedTargetsForTest(target);
+        window_features(view_of(image), box, geometry, found);
+        EXPECT_EQ(found, expected) << hwy::TargetName(target);
+      }
+      hwy::SetSupportedTargetsForTest(0);
+    }
   }
 }
 
