@@ -74,9 +74,8 @@ void Assembler::choose_candidates(std::span<const Candidate> candidates) {
 }
 
 void Assembler::divide_flies(std::size_t flies, const PixelGrid& grid, double reach_px) {
-  const auto nobody = static_cast<std::uint32_t>(kept_.size());
   nearest_px2_.assign(grid.size(), reach_px * reach_px);
-  nearest_.assign(grid.size(), nobody);
+  nearest_.assign(grid.size(), kNone);
   for (std::uint32_t k = 0; k < kept_.size(); ++k) {
     const PixelPoint& p = kept_[k].pixel;
     grid.near(p, reach_px).for_each([&](std::size_t place, double u_px, double v_px) {
@@ -87,7 +86,7 @@ void Assembler::divide_flies(std::size_t flies, const PixelGrid& grid, double re
       nearest_[place] = is_nearest ? k : nearest_[place];
     });
   }
-  owner_.assign(flies, nobody);
+  owner_.assign(flies, kNone);
   for (std::size_t place = 0; place < grid.size(); ++place) owner_[grid.index(place)] = nearest_[place];
 }
 

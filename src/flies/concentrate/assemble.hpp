@@ -39,7 +39,7 @@ class Assembler {
 
   std::vector<Candidate> kept_;
   std::vector<double> nearest_px2_;             ///< of each place in the grid: distance from the nearest candidate
-  std::vector<std::uint32_t> nearest_, owner_;  ///< that candidate or their number: of each place and of each fly
+  std::vector<std::uint32_t> nearest_, owner_;  ///< that candidate, or kNone: of each place and of each fly
   ObjectParts parts_;
   std::vector<std::pair<Obstacle, const Part*>> found_;
 };

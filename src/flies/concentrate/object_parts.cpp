@@ -75,8 +75,10 @@ double gap(double low_a, double high_a, double low_b, double high_b) {
 double separation(const Part& a, const Part& b, const Sightings& flies, const AssembleOptions& options) {
   const Extent &ea = a.extent, &eb = b.extent;
   const double near_m = std::min(ea.near_m, eb.near_m), far_m = std::max(ea.far_m, eb.far_m);
+  const double lateral_gap_m = near_m * gap(ea.right_rad, ea.left_rad, eb.right_rad, eb.left_rad);
+  if (lateral_gap_m > options.lateral_gap_m) return kApart;  // as most pairs are
   const double depth = gap(ea.near_m, ea.far_m, eb.near_m, eb.far_m) / (options.depth_gap_share * near_m);
-  const double lateral = near_m * gap(ea.right_rad, ea.left_rad, eb.right_rad, eb.left_rad) / options.lateral_gap_m;
+  const double lateral = lateral_gap_m / options.lateral_gap_m;
   if (!(depth <= 1.0 && lateral <= 1.0)) return kApart;
 
   const double width_m = near_m * (std::max(ea.left_rad, eb.left_rad) - std::min(ea.right_rad, eb.right_rad));
@@ -94,7 +96,9 @@ double separation(const Part& a, const Part& b, const Sightings& flies, const As
 }  // namespace
 
 void ObjectParts::reserve(std::size_t flies, std::size_t candidates) {
-  parts_.reserve(candidates + 1);
+  parts_.reserve(candidates);
+  owned_.reserve(flies);
+  values_.reserve(flies);
   for (auto* chain : {&farther_, &farther_left_, &higher_}) chain->reserve(flies);
   order_.reserve(flies);
   separations_.reserve(candidates * candidates);
@@ -123,28 +127,37 @@ void ObjectParts::gather(const Sightings& flies, std::span<const Candidate> cand
   flies_ = &flies;
   parts_.clear();
   for (const auto& candidate : candidates) parts_.emplace_back().candidate = candidate;
-  // Flies that nobody owns are chained like the others, which spares a branch that would be mispredicted.
-  parts_.emplace_back();
   for (auto* chain : {&farther_, &farther_left_, &higher_}) chain->resize(flies.size());
 
+  // Every fly is written, and overwritten by the next one unless somebody owns it: a branch would be mispredicted.
+  owned_.resize(flies.size());
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < flies.size(); ++i) {
+    owned_[count] = i;
+    count += owner[i] != kNone ? 1 : 0;
+  }
+  owned_.resize(count);
   // Each fly goes before those of its part that are chained already: the last in the order is chained first.
   const auto chain_up = [&](std::uint32_t fly, std::uint32_t Part::*first, Chain& next) {
     next[fly] = std::exchange(parts_[owner[fly]].*first, fly);
   };
-  for (auto i = static_cast<std::uint32_t>(flies.size()); i-- > 0;) {
-    chain_up(i, &Part::rightmost, farther_left_);
-    auto& part = parts_[owner[i]];
-    const double fitness = flies.fitness[i];
+  for (auto k = count; k-- > 0;) {
+    chain_up(owned_[k], &Part::rightmost, farther_left_);
+    auto& part = parts_[owner[owned_[k]]];
+    const double fitness = flies.fitness[owned_[k]];
     ++part.flies;
     part.fitness += fitness;
     part.squared_fitness += fitness * fitness;
   }
-  const auto by_range = order_.find(flies.range_m);
-  for (auto k = by_range.size(); k-- > 0;) chain_up(by_range[k], &Part::nearest, farther_);
-  const auto by_height = order_.find(flies.height_m);
-  for (auto k = by_height.size(); k-- > 0;) chain_up(by_height[k], &Part::lowest, higher_);
+  const auto chain_in_order_of = [&](std::span<const float> values, std::uint32_t Part::*first, Chain& next) {
+    values_.resize(count);
+    for (std::size_t k = 0; k < count; ++k) values_[k] = values[owned_[k]];
+    const auto ascending = order_.find(values_);
+    for (auto k = count; k-- > 0;) chain_up(owned_[ascending[k]], first, next);
+  };
+  chain_in_order_of(flies.range_m, &Part::nearest, farther_);
+  chain_in_order_of(flies.height_m, &Part::lowest, higher_);
 
-  parts_.pop_back();
   std::erase_if(parts_, [](const Part& part) { return part.flies == 0; });
   for (auto& part : parts_) measure(part, near_quantile);
 }

@@ -23,7 +23,7 @@ struct Extent {
   double azimuth_rad() const { return 0.5 * (right_rad + left_rad); }
 };
 
-/// What ends a chain of flies.
+/// What ends a chain of flies, and who owns a fly that belongs to no candidate.
 inline constexpr std::uint32_t kNone = UINT32_MAX;
 
 /// A candidate with the flies that belong to it: an object, or a part of one until it is joined to others.
@@ -45,7 +45,7 @@ class ObjectParts {
 
   /// Makes and measures a part of each candidate that owns flies.
   /// @param flies must outlive this object's use
-  /// @param owner of each fly: index into `candidates`, or their number for a fly that nobody owns
+  /// @param owner of each fly: index into `candidates` or `kNone`
   void gather(const Sightings& flies, std::span<const Candidate> candidates, std::span<const std::uint32_t> owner,
               double near_quantile);
 
@@ -70,6 +70,8 @@ class ObjectParts {
   const Sightings* flies_ = nullptr;
   std::vector<Part> parts_;
   Chain farther_, farther_left_, higher_;
+  std::vector<std::uint32_t> owned_;  ///< the flies that a part owns, and a value of each
+  std::vector<float> values_;
   AscendingOrder order_;
   std::vector<double> separations_;
   std::vector<std::size_t> closest_;

@@ -7,7 +7,7 @@ namespace flies {
 namespace {
 
 /// Cells to a reach. Cells of a row follow each other, so that narrow ones cost little and spare many visits.
-constexpr double kColumnsAReach = 4.0, kRowsAReach = 2.0;
+constexpr double kColumnsAReach = 4.0, kRowsAReach = 1.0;
 
 /// Flies far outside an image make a large grid: then its cells are larger.
 constexpr std::size_t kMaxColumns = 1024, kMaxRows = 128;
