@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <opencv2/imgcodecs.hpp>
 #include <vector>
+
+#include "flies/io/image_codecs.hpp"
 
 namespace flies {
 namespace {
@@ -60,10 +61,7 @@ std::string html_text(std::string_view text) {
 
 std::string html_image(const cv::Mat& picture, bool is_photo) {
   constexpr int kJpegQuality = 90;  // text in the picture stays sharp
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(is_photo ? ".jpg" : ".png", picture, bytes,
-               is_photo ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, kJpegQuality}
-                        : std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 9});
+  const auto bytes = is_photo ? encode_jpeg(picture, kJpegQuality) : encode_png(picture, true);
   return fmt::format("data:image/{};base64,{}", is_photo ? "jpeg" : "png", base64(bytes));
 }
 

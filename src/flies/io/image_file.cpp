@@ -74,16 +74,6 @@ std::string jpeg_fault(std::string_view bytes) {
   }
 }
 
-/// The next number of a PNM header, past blanks and comments.
-std::optional<std::size_t> pnm_number(std::string_view bytes, std::size_t& at) {
-  while (at < bytes.size() && (std::isspace(byte_at(bytes, at)) != 0 || bytes[at] == '#'))
-    at = bytes[at] == '#' ? std::min(bytes.find('\n', at), bytes.size()) : at + 1;
-  std::size_t value = 0, digits = 0;
-  for (; at < bytes.size() && std::isdigit(byte_at(bytes, at)) != 0 && digits < 9; ++at, ++digits)
-    value = value * 10 + static_cast<std::size_t>(bytes[at] - '0');
-  return digits > 0 ? std::optional(value) : std::nullopt;
-}
-
 std::string pnm_fault(std::string_view bytes) {
   const char kind = bytes[1];
   std::size_t at = 2;
@@ -105,6 +95,15 @@ std::string pnm_fault(std::string_view bytes) {
 }
 
 }  // namespace
+
+std::optional<std::size_t> pnm_number(std::string_view bytes, std::size_t& at) {
+  while (at < bytes.size() && (std::isspace(byte_at(bytes, at)) != 0 || bytes[at] == '#'))
+    at = bytes[at] == '#' ? std::min(bytes.find('\n', at), bytes.size()) : at + 1;
+  std::size_t value = 0, digits = 0;
+  for (; at < bytes.size() && std::isdigit(byte_at(bytes, at)) != 0 && digits < 9; ++at, ++digits)
+    value = value * 10 + static_cast<std::size_t>(bytes[at] - '0');
+  return digits > 0 ? std::optional(value) : std::nullopt;
+}
 
 ImageFileKind image_file_kind(std::string_view bytes) {
   if (bytes.starts_with(kPngSignature)) return ImageFileKind::png;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -14,5 +16,8 @@ ImageFileKind image_file_kind(std::string_view bytes);
 /// (TIFF decoders do fail on missing data.)
 /// @returns what is wrong, empty when nothing is
 std::string image_file_fault(std::string_view bytes);
+
+/// The next number of a PNM file from `at` on, past blanks and comments; `at` moves behind it.
+std::optional<std::size_t> pnm_number(std::string_view bytes, std::size_t& at);
 
 }  // namespace flies::detail

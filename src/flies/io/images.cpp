@@ -6,11 +6,10 @@
 #include <bit>
 #include <cmath>
 #include <opencv2/core.hpp>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "flies/core/error.hpp"
+#include "flies/io/image_codecs.hpp"
 #include "flies/io/image_file.hpp"
 #include "flies/io/text_file.hpp"
 
@@ -19,30 +18,11 @@ namespace {
 
 constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
 
-/// Keeps OpenCV from writing to stderr: the fault is reported by InputError.
-class SilentOpenCv {
- public:
-  SilentOpenCv() : level_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)) {}
-  ~SilentOpenCv() { cv::utils::logging::setLogLevel(level_); }
-  SilentOpenCv(const SilentOpenCv&) = delete;
-  SilentOpenCv& operator=(const SilentOpenCv&) = delete;
-
- private:
-  cv::utils::logging::LogLevel level_;
-};
-
 cv::Mat decode(const std::string& path) {
-  std::string bytes = read_file(path, kMaxBytes);
+  const std::string bytes = read_file(path, kMaxBytes);
   const std::string fault = detail::image_file_fault(bytes);
   if (!fault.empty()) throw InputError(path, "", fault);
-  const SilentOpenCv silence;
-  cv::Mat image;
-  try {
-    const cv::Mat file(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
-    image = cv::imdecode(file, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    image.release();
-  }
+  const cv::Mat image = decode_image(bytes);
   if (image.empty()) throw InputError(path, "", "is damaged or truncated: its pixels cannot be decoded");
   return image;
 }

@@ -10,11 +10,11 @@
 #include <cstring>
 #include <filesystem>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <utility>
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/io/image_codecs.hpp"
 
 namespace flies {
 namespace {
@@ -113,8 +113,7 @@ void write_file(const std::string& path, std::string_view bytes) {
 }
 
 void write_png(const std::string& path, const cv::Mat& image) {
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", image, bytes);
+  const auto bytes = encode_png(image);
   write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 

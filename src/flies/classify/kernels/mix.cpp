@@ -43,7 +43,8 @@ HWY_ATTR void MixRows(const std::uint8_t* const* rows, const float* weights, std
 }
 
 template <std::size_t kTaps>
-HWY_ATTR void mix_columns(const float* mixed, const int* source, const float* weights, std::size_t width, float* aside) {
+HWY_ATTR void mix_columns(const float* mixed, const int* source, const float* weights, std::size_t width,
+                          float* aside) {
   const D4 d;
   for (std::size_t u = 0; u < width; ++u, source += kTaps, weights += kTaps, aside += kMixedRows) {
     for (std::size_t r = 0; r < kMixedRows; r += kLanes4) {

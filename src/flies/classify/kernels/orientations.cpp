@@ -54,11 +54,9 @@ HWY_ATTR void VoteRow(const float* above, const float* here, const float* below,
     // Opposite gradients count as one: a light coat before a dark wall is a dark coat before a light wall.
     const auto x = hn::IfThenElse(hn::Lt(dv, zero), hn::Neg(du), du);
     // In bins, from the centre of the first, on a ring of `bins`: -0.5 to `bins` - 0.5.
-    auto place = hn::Sub(hn::Mul(half_turns(x, hn::Abs(dv)), hn::Set(d, static_cast<float>(bins))),
-                         hn::Set(d, 0.5F));
-    const auto share = [&](hn::Vec<D> distance) HWY_ATTR {
-      return hn::Mul(magnitude, hn::Max(hn::Sub(one, hn::Abs(distance)), zero));
-    };
+    auto place = hn::Sub(hn::Mul(half_turns(x, hn::Abs(dv)), hn::Set(d, static_cast<float>(bins))), hn::Set(d, 0.5F));
+    const auto share = [&](hn::Vec<D> distance)
+                           HWY_ATTR { return hn::Mul(magnitude, hn::Max(hn::Sub(one, hn::Abs(distance)), zero)); };
     // The first and the last bin are neighbours: each reaches beyond its end of the ring.
     const auto from_next_ring = share(hn::Sub(place, hn::Set(d, static_cast<float>(bins))));
     const auto from_last_ring = share(hn::Add(place, one));

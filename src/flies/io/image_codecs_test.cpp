@@ -1,0 +1,166 @@
+#include "flies/io/image_codecs.hpp"
+
+#include <gtest/gtest.h>
+#include <png.h>
+#include <tiffio.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "flies/io/temporary_folder.hpp"
+
+namespace flies {
+namespace {
+
+using flies::testing::read_all;
+using flies::testing::TemporaryFolder;
+
+cv::Mat noise(int type, int width_px = 61, int height_px = 40) {
+  cv::Mat image(height_px, width_px, type);
+  cv::RNG random(5);
+  random.fill(image, cv::RNG::UNIFORM, 0.0, image.depth() == CV_16U ? 65536.0 : 256.0);
+  return image;
+}
+
+std::string_view view_of(const std::vector<std::uint8_t>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+void expect_equal(const cv::Mat& found, const cv::Mat& expected, const std::string& what) {
+  ASSERT_EQ(found.size(), expected.size()) << what;
+  ASSERT_EQ(found.type(), expected.type()) << what;
+  EXPECT_EQ(cv::norm(found, expected, cv::NORM_INF), 0.0) << what;
+}
+
+TEST(DecodeImage, ReadsWhatOpencvReads) {
+  for (const int type : {CV_8UC1, CV_8UC3, CV_8UC4, CV_16UC1, CV_16UC3, CV_16UC4, CV_32FC1}) {
+    for (const std::string format : {".png", ".jpg", ".pgm", ".ppm", ".pbm", ".tif"}) {
+      const cv::Mat image = noise(type);
+      if ((format == ".pgm" || format == ".pbm") && image.channels() != 1) continue;
+      if (format == ".ppm" && image.channels() != 3) continue;
+      if ((format == ".jpg" || format == ".pbm") && image.depth() != CV_8U) continue;
+      if (image.depth() == CV_32F && format != ".tif") continue;
+      std::vector<std::uint8_t> bytes;
+      ASSERT_TRUE(cv::imencode(format, image, bytes)) << format << type;
+      cv::Mat expected = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+      if (format == ".png" && expected.channels() == 4) cv::cvtColor(expected, expected, cv::COLOR_BGRA2BGR);
+      expect_equal(decode_image(view_of(bytes)), expected, format + " of type " + std::to_string(type));
+    }
+  }
+}
+
+TEST(DecodeImage, ReadsTextPixmaps) {
+  const cv::Mat bits = decode_image("P1\n3 2\n101\n0 1 0\n");
+  expect_equal(bits, (cv::Mat_<std::uint8_t>(2, 3) << 0, 255, 0, 255, 0, 255), "P1");
+  const cv::Mat colors = decode_image("P3 # red, then blue\n2 1 255\n250 1 2  3 4 240\n");
+  EXPECT_EQ(colors.at<cv::Vec3b>(0, 0), (cv::Vec3b{2, 1, 250}));
+  EXPECT_EQ(colors.at<cv::Vec3b>(0, 1), (cv::Vec3b{240, 4, 3}));
+}
+
+/// A file of libpng's with a palette of four greens, two bits a pixel.
+std::vector<std::uint8_t> palette_png(const std::vector<std::uint8_t>& indices, int width, int height) {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  std::vector<std::uint8_t> bytes;
+  png_set_write_fn(
+      png, &bytes,
+      [](png_structp p, png_bytep data, std::size_t count) {
+        auto& out = *static_cast<std::vector<std::uint8_t>*>(png_get_io_ptr(p));
+        out.insert(out.end(), data, data + count);
+      },
+      nullptr);
+  const std::vector<png_color> palette{{0, 10, 1}, {0, 20, 1}, {0, 30, 1}, {0, 40, 1}};
+  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 2, PNG_COLOR_TYPE_PALETTE,
+               PNG_INTERLACE_ADAM7, PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
+  png_set_PLTE(png, info, palette.data(), static_cast<int>(palette.size()));
+  png_write_info(png, info);
+  png_set_packing(png);
+  std::vector<png_bytep> rows;
+  for (int v = 0; v < height; ++v) rows.push_back(const_cast<png_bytep>(indices.data() + v * width));
+  png_write_image(png, rows.data());
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  return bytes;
+}
+
+TEST(DecodeImage, ReadsInterlacedPngWithPalette) {
+  const auto bytes = palette_png({0, 1, 2, 3, 3, 2, 1, 0, 1, 1, 2, 2}, 4, 3);
+  const cv::Mat image = decode_image(view_of(bytes));
+  ASSERT_EQ(image.type(), CV_8UC3);
+  EXPECT_EQ(image.at<cv::Vec3b>(1, 0), (cv::Vec3b{1, 40, 0}));
+  EXPECT_EQ(image.at<cv::Vec3b>(2, 3), (cv::Vec3b{1, 30, 0}));
+}
+
+/// Writes a TIFF file of one grey channel, in tiles of 16 x 16 px where `tiled`.
+void write_tiff(const std::string& path, const cv::Mat& image, int photometric, bool tiled) {
+  TIFF* const file = TIFFOpen(path.c_str(), "w");
+  TIFFSetField(file, TIFFTAG_IMAGEWIDTH, image.cols);
+  TIFFSetField(file, TIFFTAG_IMAGELENGTH, image.rows);
+  TIFFSetField(file, TIFFTAG_BITSPERSAMPLE, static_cast<int>(8 * image.elemSize1()));
+  TIFFSetField(file, TIFFTAG_SAMPLESPERPIXEL, 1);
+  TIFFSetField(file, TIFFTAG_PHOTOMETRIC, photometric);
+  TIFFSetField(file, TIFFTAG_COMPRESSION, COMPRESSION_LZW);
+  constexpr int kTile_px = 16;
+  if (tiled) {
+    TIFFSetField(file, TIFFTAG_TILEWIDTH, kTile_px);
+    TIFFSetField(file, TIFFTAG_TILELENGTH, kTile_px);
+    for (int v = 0; v < image.rows; v += kTile_px)
+      for (int u = 0; u < image.cols; u += kTile_px) {
+        cv::Mat tile(kTile_px, kTile_px, image.type(), cv::Scalar(0));
+        const cv::Rect inside(u, v, std::min(kTile_px, image.cols - u), std::min(kTile_px, image.rows - v));
+        image(inside).copyTo(tile(cv::Rect(0, 0, inside.width, inside.height)));
+        TIFFWriteTile(file, tile.data, static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v), 0, 0);
+      }
+  } else {
+    for (int v = 0; v < image.rows; ++v)
+      TIFFWriteScanline(file, const_cast<std::uint8_t*>(image.ptr(v)), static_cast<std::uint32_t>(v), 0);
+  }
+  TIFFClose(file);
+}
+
+TEST(DecodeImage, ReadsTiledAndInvertedTiff) {
+  const TemporaryFolder folder;
+  for (const int type : {CV_8UC1, CV_16UC1}) {
+    const cv::Mat image = noise(type);
+    write_tiff(folder.file("tiled.tif"), image, PHOTOMETRIC_MINISBLACK, true);
+    expect_equal(decode_image(read_all(folder.file("tiled.tif"))), image, "tiled");
+    write_tiff(folder.file("inverted.tif"), image, PHOTOMETRIC_MINISWHITE, false);
+    cv::Mat inverted;
+    cv::bitwise_not(image, inverted);
+    expect_equal(decode_image(read_all(folder.file("inverted.tif"))), inverted, "inverted");
+  }
+}
+
+TEST(DecodeImage, IsEmptyForWhatNobodyCanRead) {
+  ::testing::internal::CaptureStderr();
+  for (const char* const bytes : {"", "text", "\x89PNG\r\n\x1a\n and no more", "\xFF\xD8\xFF and no more", "P5 0 0 255 ",
+                                  "P5 5 5 70000 ", "II*", "MM and no more"})
+    EXPECT_TRUE(decode_image(bytes).empty()) << bytes;
+  using namespace std::string_view_literals;
+  EXPECT_TRUE(decode_image("II*\0 and no directory"sv).empty());
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(EncodePng, LosesNothing) {
+  for (const int type : {CV_8UC1, CV_8UC3, CV_8UC4, CV_16UC1, CV_16UC3}) {
+    const cv::Mat image = noise(type);
+    for (const bool is_small : {false, true})
+      expect_equal(cv::imdecode(encode_png(image, is_small), cv::IMREAD_UNCHANGED), image, std::to_string(type));
+  }
+}
+
+TEST(EncodeJpeg, IsWhatOpencvWrites) {
+  for (const int type : {CV_8UC1, CV_8UC3}) {
+    cv::Mat image;
+    cv::GaussianBlur(noise(type), image, {0, 0}, 3.0);
+    std::vector<std::uint8_t> theirs;
+    cv::imencode(".jpg", image, theirs, {cv::IMWRITE_JPEG_QUALITY, 90});
+    expect_equal(cv::imdecode(encode_jpeg(image, 90), cv::IMREAD_UNCHANGED),
+                 cv::imdecode(theirs, cv::IMREAD_UNCHANGED), std::to_string(type));
+  }
+}
+
+}  // namespace
+}  // namespace flies
