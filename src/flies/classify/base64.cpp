@@ -1,5 +1,6 @@
 #include "flies/classify/base64.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -37,17 +38,26 @@ std::optional<std::string> from_base64(std::string_view text) {
   if (text.size() % 4 != 0) return {};
   std::size_t padding = 0;
   while (padding < 2 && padding < text.size() && text[text.size() - 1 - padding] == '=') ++padding;
-  std::string bytes;
-  bytes.reserve(text.size() / 4 * 3);
-  std::uint32_t group = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool is_padding = i >= text.size() - padding;
-    const std::uint8_t value = is_padding ? std::uint8_t{0} : kValues[static_cast<unsigned char>(text[i])];
-    if (value == kNoDigit) return {};
-    group = group << 6U | value;
-    if (i % 4 == 3)
-      for (const unsigned shift : {16U, 8U, 0U}) bytes += static_cast<char>(group >> shift & 255U);
+  std::string bytes(text.size() / 4 * 3, '\0');
+  char* out = bytes.data();
+  std::uint32_t all_bits = 0;  // of the values; those of digits are the lowest six
+  const auto decode = [&](const char* digits) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::uint8_t value = kValues[static_cast<unsigned char>(digits[k])];
+      all_bits |= value;
+      group = group << 6U | (value & 63U);
+    }
+    for (const unsigned shift : {16U, 8U, 0U}) *out++ = static_cast<char>(group >> shift & 255U);
+  };
+  const std::size_t whole = padding > 0 ? text.size() - 4 : text.size();
+  for (std::size_t i = 0; i < whole; i += 4) decode(text.data() + i);
+  if (padding > 0) {
+    std::string last(text.substr(whole));
+    std::fill(last.end() - static_cast<std::ptrdiff_t>(padding), last.end(), kDigits.front());
+    decode(last.data());
   }
+  if (all_bits > 63) return {};
   bytes.resize(bytes.size() - padding);
   return bytes;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -66,16 +67,47 @@ Json packed(const std::vector<float>& values, const std::vector<std::size_t>& sh
           {"base64", to_base64(lossless ? bytes_of(halves) : bytes_of(values))}};
 }
 
+/// A model's text without the numbers that are all but a thousandth of it, so that the JSON parser has little to do:
+/// every value of a key `base64` is replaced by its index behind a sign that base64 does not have.
+struct SplitText {
+  static constexpr char kMark = '#';
+  std::string rest;
+  std::vector<std::string_view> arrays;
+};
+
+SplitText split(std::string_view text) {
+  constexpr std::string_view kKey = "\"base64\"", kBlanks = " \t\r\n";
+  SplitText split;
+  std::size_t taken = 0, at = 0;
+  while ((at = text.find(kKey, at)) != std::string_view::npos) {
+    at += kKey.size();
+    const std::size_t colon = text.find_first_not_of(kBlanks, at);
+    if (colon == std::string_view::npos || text[colon] != ':') continue;
+    const std::size_t open = text.find_first_not_of(kBlanks, colon + 1);
+    if (open == std::string_view::npos || text[open] != '"') continue;
+    const std::size_t close = text.find('"', open + 1);
+    const auto value = text.substr(open + 1, close - open - 1);
+    if (close == std::string_view::npos || value.find('\\') != std::string_view::npos) continue;
+    split.rest.append(text.substr(taken, open + 1 - taken));
+    split.rest += SplitText::kMark + std::to_string(split.arrays.size());
+    split.arrays.push_back(value);
+    taken = at = close;
+  }
+  split.rest.append(text.substr(taken));
+  return split;
+}
+
 /// A JSON object that knows where it stands in which file, and that every one of its keys has a reader.
 class Reader {
  public:
-  Reader(const Json& object, std::string source, std::string prefix)
-      : object_(object), source_(std::move(source)), prefix_(std::move(prefix)) {
+  /// @param arrays what `split` took out of the text
+  Reader(const Json& object, std::string source, std::string prefix, const std::vector<std::string_view>& arrays)
+      : object_(object), source_(std::move(source)), prefix_(std::move(prefix)), arrays_(arrays) {
     if (!object_.is_object()) throw InputError(source_, prefix_, "expected an object");
   }
 
   bool has(const char* key) const { return object_.contains(key); }
-  Reader child(const char* key) { return {get(key), source_, path(key)}; }
+  Reader child(const char* key) { return {get(key), source_, path(key), arrays_}; }
 
   void read(const char* key, std::string& text) {
     if (!get(key).is_string()) fail(key, "expected a text");
@@ -110,7 +142,7 @@ class Reader {
     Reader fields = child(key);
     for (const auto& [name, text] : fields.object_.items()) {
       if (!text.is_string()) fields.fail(name, "expected a text");
-      texts.emplace_back(name, text.get<std::string>());
+      texts.emplace_back(name, std::string(whole(text.get_ref<const std::string&>())));
     }
   }
 
@@ -133,6 +165,15 @@ class Reader {
     return object_[key];
   }
 
+  /// Puts back what was taken out of the text.
+  std::string_view whole(const std::string& text) const {
+    std::size_t index = 0;
+    if (!text.starts_with(SplitText::kMark)) return text;
+    const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), index);
+    const bool is_index = error == std::errc{} && end == text.data() + text.size() && index < arrays_.size();
+    return is_index ? arrays_[index] : std::string_view(text);
+  }
+
   void read_array(const char* key, std::size_t dimensions, Matrix& matrix) {
     Reader fields = child(key);
     std::vector<std::size_t> shape;
@@ -150,7 +191,7 @@ class Reader {
     fields.finish();
     if (type != "float16" && type != "float32")
       fields.fail("type", fmt::format("found '{}', expected float16 or float32", type));
-    const auto bytes = from_base64(text);
+    const auto bytes = from_base64(whole(text));
     if (!bytes) fields.fail("base64", "is not base64");
 
     matrix.rows = shape.front();
@@ -160,14 +201,19 @@ class Reader {
       fields.fail("base64", fmt::format("holds {} bytes, expected {} by its shape", bytes->size(), expected));
     if (type == "float32") {
       matrix.values = from_bytes<float>(*bytes);
-    } else {
-      const auto halves = from_bytes<std::uint16_t>(*bytes);
-      std::transform(halves.begin(), halves.end(), std::back_inserter(matrix.values), from_half);
+      return;
+    }
+    matrix.values.resize(matrix.rows * matrix.columns);
+    for (std::size_t i = 0; i < matrix.values.size(); ++i) {
+      std::uint16_t half = 0;
+      std::memcpy(&half, bytes->data() + i * sizeof(half), sizeof(half));
+      matrix.values[i] = from_half(half);
     }
   }
 
   const Json& object_;
   std::string source_, prefix_;
+  const std::vector<std::string_view>& arrays_;
   std::vector<std::string> known_;
 };
 
@@ -224,24 +270,30 @@ PeopleModel read_model(Reader root) {
   return model;
 }
 
-void check_checksum(const std::string& text, const std::string& found, const std::string& source) {
+void check_checksum(std::string_view text, const std::string& found, const std::string& source) {
   const auto end = text.rfind(kChecksumKey);
-  const std::string expected = checksum_of(std::string_view(text).substr(0, end));
+  const std::string expected = checksum_of(text.substr(0, end));
   if (end == std::string::npos || found != expected)
     throw InputError(source, "checksum",
                      fmt::format("found '{}', but the file was cut or changed: its content has '{}'", found, expected));
 }
 
-}  // namespace
-
-PeopleModel parse_people_model(const std::string& text, const std::string& source) {
+/// @param is_checked against its checksum
+PeopleModel parse(std::string_view text, const std::string& source, bool is_checked) {
+  const SplitText parts = split(text);
   Json json;
   try {
-    json = Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    throw InputError(source, fmt::format("byte {}", error.byte), "not a people model: expected JSON");
+    json = Json::parse(parts.rest);
+  } catch (const Json::parse_error&) {
+    std::size_t byte = 0;
+    try {
+      json = Json::parse(text);  // whole, to say where it ends to be JSON
+    } catch (const Json::parse_error& error) {
+      byte = error.byte;
+    }
+    throw InputError(source, fmt::format("byte {}", byte), "not a people model: expected JSON");
   }
-  Reader root(json, source, "");
+  Reader root(json, source, "", parts.arrays);
   std::string format, checksum;
   int version = 0;
   root.read("format", format);
@@ -250,9 +302,17 @@ PeopleModel parse_people_model(const std::string& text, const std::string& sourc
   if (version != kVersion) root.fail("version", fmt::format("found {}, expected {}", version, kVersion));
   root.read("checksum", checksum);
   PeopleModel model = read_model(std::move(root));
-  check_checksum(text, checksum, source);
+  if (is_checked) check_checksum(text, checksum, source);
   check_people_model(model, source);
   return model;
+}
+
+}  // namespace
+
+PeopleModel parse_people_model(std::string_view text, const std::string& source) { return parse(text, source, true); }
+
+PeopleModel parse_embedded_model(std::string_view text, const std::string& source) {
+  return parse(text, source, false);
 }
 
 PeopleModel read_people_model(const std::string& path) {

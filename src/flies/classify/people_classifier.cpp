@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "flies/classify/kernel_machine.hpp"
-#include "flies/classify/network_classifier.hpp"
 #include "flies/classify/window_sets.hpp"
 #include "flies/core/error.hpp"
 
@@ -103,11 +102,9 @@ std::shared_ptr<const PeopleClassifier> hog_classifier(PeopleModel model) {
   return std::make_shared<HogClassifier>(std::move(model));
 }
 
-std::shared_ptr<const PeopleClassifier> default_people_classifier() { return hog_classifier(shipped_people_model()); }
-
-std::shared_ptr<const PeopleClassifier> people_classifier(std::string_view name_or_path) {
-  if (const std::string path(name_or_path); is_network_file(path)) return network_classifier(path);
-  return hog_classifier(people_model(name_or_path));
+std::shared_ptr<const PeopleClassifier> default_people_classifier() {
+  static const auto classifier = hog_classifier(shipped_people_model());
+  return classifier;
 }
 
 }  // namespace flies

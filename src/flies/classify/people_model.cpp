@@ -3,10 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <filesystem>
-#include <opencv2/objdetect.hpp>
 
 #include "flies/classify/model_file.hpp"
 #include "flies/classify/shipped_model.hpp"
@@ -14,24 +11,6 @@
 
 namespace flies {
 namespace {
-
-constexpr std::string_view kShipped = "flies-48x96";
-constexpr std::string_view kShippedLinear = "flies-48x96-linear";
-constexpr std::string_view kOpencv48 = "opencv-48x96";
-constexpr std::string_view kOpencv64 = "opencv-64x128";
-constexpr std::array kNames = {kShipped, kShippedLinear, kOpencv48, kOpencv64};
-
-/// OpenCV's weights end with the bias. They come without a calibration: a window at OpenCV's threshold, a score of 0,
-/// is called a toss-up.
-PeopleModel from_opencv(std::string_view name, std::vector<float> weights_and_bias) {
-  PeopleModel model;
-  model.name = name;
-  model.linear.bias = weights_and_bias.back();
-  weights_and_bias.pop_back();
-  model.linear.weights = std::move(weights_and_bias);
-  model.about = {{"training data", "see OpenCV, modules/objdetect/src/hog.cpp"}, {"licence", "that of OpenCV"}};
-  return model;
-}
 
 class Checker {
  public:
@@ -44,8 +23,8 @@ class Checker {
     if (!std::isfinite(value)) fail(field, fmt::format("found {}, expected a finite number", value));
   }
   void finite(const std::string& field, const std::vector<float>& values) const {
-    for (std::size_t i = 0; i < values.size(); ++i)
-      if (!std::isfinite(values[i])) finite(fmt::format("{}[{}]", field, i), values[i]);
+    const auto wrong = std::find_if_not(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
+    if (wrong != values.end()) finite(fmt::format("{}[{}]", field, wrong - values.begin()), *wrong);
   }
   void numbers(const std::string& field, const std::vector<float>& values, std::size_t expected) const {
     count(field, values.size(), expected);
@@ -117,34 +96,6 @@ double person_probability(const PeopleModel& model, std::span<const float> featu
   return person_probability(model, linear, is_asked ? kernel_score(*model.kernel, features) : 0.0);
 }
 
-PeopleModel opencv_48x96() { return from_opencv(kOpencv48, cv::HOGDescriptor::getDaimlerPeopleDetector()); }
-
-PeopleModel opencv_64x128() {
-  PeopleModel model = from_opencv(kOpencv64, cv::HOGDescriptor::getDefaultPeopleDetector());
-  model.hog.window_width_px = 64;
-  model.hog.window_height_px = 128;
-  return model;
-}
-
-PeopleModel shipped_people_model() {
-  static const PeopleModel model = parse_people_model(std::string(shipped_model_text()), std::string(kShipped));
-  return model;
-}
-
-std::span<const std::string_view> people_model_names() { return kNames; }
-
-PeopleModel people_model(std::string_view name_or_path) {
-  if (name_or_path == kShipped) return shipped_people_model();
-  if (name_or_path == kShippedLinear)
-    return parse_people_model(std::string(shipped_linear_model_text()), std::string(kShippedLinear));
-  if (name_or_path == kOpencv48) return opencv_48x96();
-  if (name_or_path == kOpencv64) return opencv_64x128();
-  const std::string path(name_or_path);
-  std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    throw InputError(path, "",
-                     fmt::format("no such people model; expected {} or a model file", fmt::join(kNames, ", ")));
-  return read_people_model(path);
-}
+PeopleModel shipped_people_model() { return parse_embedded_model(shipped_model_text(), "flies-48x96"); }
 
 }  // namespace flies

@@ -135,8 +135,8 @@ TEST(DecodeImage, ReadsTiledAndInvertedTiff) {
 
 TEST(DecodeImage, IsEmptyForWhatNobodyCanRead) {
   ::testing::internal::CaptureStderr();
-  for (const char* const bytes : {"", "text", "\x89PNG\r\n\x1a\n and no more", "\xFF\xD8\xFF and no more", "P5 0 0 255 ",
-                                  "P5 5 5 70000 ", "II*", "MM and no more"})
+  for (const char* const bytes : {"", "text", "\x89PNG\r\n\x1a\n and no more", "\xFF\xD8\xFF and no more",
+                                  "P5 0 0 255 ", "P5 5 5 70000 ", "II*", "MM and no more"})
     EXPECT_TRUE(decode_image(bytes).empty()) << bytes;
   using namespace std::string_view_literals;
   EXPECT_TRUE(decode_image("II*\0 and no directory"sv).empty());
@@ -157,8 +157,8 @@ TEST(EncodeJpeg, IsWhatOpencvWrites) {
     cv::GaussianBlur(noise(type), image, {0, 0}, 3.0);
     std::vector<std::uint8_t> theirs;
     cv::imencode(".jpg", image, theirs, {cv::IMWRITE_JPEG_QUALITY, 90});
-    expect_equal(cv::imdecode(encode_jpeg(image, 90), cv::IMREAD_UNCHANGED),
-                 cv::imdecode(theirs, cv::IMREAD_UNCHANGED), std::to_string(type));
+    expect_equal(cv::imdecode(encode_jpeg(image, 90), cv::IMREAD_UNCHANGED), cv::imdecode(theirs, cv::IMREAD_UNCHANGED),
+                 std::to_string(type));
   }
 }
 

@@ -64,9 +64,7 @@ bool read_image(Decoder& d, std::string_view bytes) {
   jpeg_read_header(&d.jpeg, TRUE);
   if (static_cast<double>(d.jpeg.image_width) * d.jpeg.image_height > detail::kMaxPixels) return false;
   // Inks of four colours have none of grey; libjpeg converts all others.
-  d.jpeg.out_color_space = d.jpeg.num_components == 1   ? JCS_GRAYSCALE
-                           : d.jpeg.num_components == 4 ? JCS_CMYK
-                                                        : JCS_RGB;
+  d.jpeg.out_color_space = d.jpeg.num_components == 1 ? JCS_GRAYSCALE : d.jpeg.num_components == 4 ? JCS_CMYK : JCS_RGB;
   jpeg_start_decompress(&d.jpeg);
   d.image.create(static_cast<int>(d.jpeg.output_height), static_cast<int>(d.jpeg.output_width),
                  CV_8UC(d.jpeg.output_components));

@@ -9,12 +9,9 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <opencv2/core.hpp>
 #include <utility>
-#include <vector>
 
 #include "flies/core/error.hpp"
-#include "flies/io/image_codecs.hpp"
 
 namespace flies {
 namespace {
@@ -110,11 +107,6 @@ void write_file(const std::string& path, std::string_view bytes) {
   OutputFile file(path);
   file.write(bytes);
   file.commit();
-}
-
-void write_png(const std::string& path, const cv::Mat& image) {
-  const auto bytes = encode_png(image);
-  write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace flies

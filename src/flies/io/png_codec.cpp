@@ -7,6 +7,7 @@
 
 #include "flies/io/image_codecs.hpp"
 #include "flies/io/image_decoders.hpp"
+#include "flies/io/output_file.hpp"
 
 namespace flies {
 namespace {
@@ -123,6 +124,11 @@ std::vector<std::uint8_t> encode_png(const cv::Mat& image, bool is_small) {
   [[maybe_unused]] const bool is_written = write_image(writer, image, is_small);
   assert(is_written);
   return std::move(writer.bytes);
+}
+
+void write_png(const std::string& path, const cv::Mat& image) {
+  const auto bytes = encode_png(image);
+  write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace flies

@@ -45,7 +45,7 @@ using File = std::unique_ptr<TIFF, decltype(&TIFFClose)>;
 
 File open_file(Source& source) {
   const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(TIFFOpenOptionsAlloc(),
-                                                                                &TIFFOpenOptionsFree);
+                                                                                 &TIFFOpenOptionsFree);
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), be_silent, nullptr);
   TIFFOpenOptionsSetWarningHandlerExtR(options.get(), be_silent, nullptr);
   return {TIFFClientOpenExt("image", "rm", &source, read_bytes, write_nothing, seek, close_nothing, size_of, nullptr,
@@ -75,8 +75,8 @@ Layout layout_of(TIFF* file) {
 /// OpenCV's depth for these samples, -1 where they need converting.
 int depth_of(const Layout& layout) {
   const bool is_plain = layout.planes == PLANARCONFIG_CONTIG && layout.channels >= 1 && layout.channels <= 4 &&
-                        (layout.photometric == PHOTOMETRIC_MINISBLACK ||
-                         layout.photometric == PHOTOMETRIC_MINISWHITE || layout.photometric == PHOTOMETRIC_RGB);
+                        (layout.photometric == PHOTOMETRIC_MINISBLACK || layout.photometric == PHOTOMETRIC_MINISWHITE ||
+                         layout.photometric == PHOTOMETRIC_RGB);
   if (!is_plain) return -1;
   switch (layout.format) {
     case SAMPLEFORMAT_IEEEFP:
@@ -118,7 +118,8 @@ cv::Mat plain_samples(TIFF* file, const Layout& layout, int depth) {
                     columns * pixel_bytes);
     }
   }
-  if (layout.photometric == PHOTOMETRIC_MINISWHITE && (depth == CV_8U || depth == CV_16U)) cv::bitwise_not(image, image);
+  if (layout.photometric == PHOTOMETRIC_MINISWHITE && (depth == CV_8U || depth == CV_16U))
+    cv::bitwise_not(image, image);
   if (image.channels() >= 3 && (depth == CV_8U || depth == CV_16U))
     cv::cvtColor(image, image, image.channels() == 3 ? cv::COLOR_RGB2BGR : cv::COLOR_RGBA2BGRA);
   constexpr int kAboutBothAxes = -1, kUpsideDown = 0, kMirrored = 1;
