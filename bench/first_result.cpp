@@ -1,5 +1,5 @@
-// Finds what is in one decoded pair, as `decode_pair` writes it, and ends. bench/report takes the time from the start of
-// the process to its end.
+// Finds what is in one decoded pair, as `decode_pair` writes it, and ends. bench/report takes the time from the start
+// of the process to its end.
 #include <cstdio>
 
 #include "bench/decoded_pair.hpp"
