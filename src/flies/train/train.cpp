@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -21,22 +22,32 @@ namespace {
 constexpr double kForgetMargin = 0.5;
 /// Rounds are numbered from 1; windows of round 0 are the first, random ones.
 constexpr std::uint32_t kFirstWindows = 0;
+constexpr std::uint32_t kFirstKernelRound = 100;
 constexpr std::uint32_t kWindowsKeptApart = 1000;
 
 struct Parts {
   Split people, background;
 };
 
+/// Pairs with proposals are all learnt from: those of one drive show one street, so that what is kept apart of them
+/// says little, and the threshold is one for random windows.
 Parts split(const TrainingData& data, const TrainOptions& options) {
+  std::vector<std::uint32_t> proposed, pictures;
+  for (std::uint32_t i = 0; i < data.background.size(); ++i)
+    (data.background[i].has_proposals ? proposed : pictures).push_back(i);
   const auto check = [](std::size_t found, const char* what) {
     if (found < kMinPictures)
       throw InputError("command line", what,
                        fmt::format("found {} pictures, expected at least {}", found, kMinPictures));
   };
   check(data.people.size(), "--positives");
-  check(data.background.size(), "--negatives");
-  return {split_in_runs(data.people.size(), options.validation_share),
-          split_in_runs(data.background.size(), options.validation_share)};
+  check(pictures.size(), "--negatives");
+  Parts parts{split_in_runs(data.people.size(), options.validation_share),
+              split_in_runs(pictures.size(), options.validation_share)};
+  for (auto* part : {&parts.background.learnt, &parts.background.kept_apart})
+    for (auto& index : *part) index = pictures[index];
+  std::ranges::copy(proposed, std::back_inserter(parts.background.learnt));
+  return parts;
 }
 
 /// The first machine's background: as many windows of every picture.
@@ -76,10 +87,13 @@ class Training {
     say("linear machine, " + chapter);
     return train_linear(samples.features, samples.is_person, options_.linear, options_.seed);
   }
-  std::vector<TrainingWindow> hard_windows(std::span<const std::uint32_t> pictures, const LinearStage& linear,
+  std::vector<TrainingWindow> hard_windows(std::span<const std::uint32_t> pictures, const WindowScorer& score,
                                            std::uint32_t round, const std::string& chapter) const;
+  std::vector<TrainingWindow> hard_for_kernel(std::span<const std::uint32_t> pictures, const PeopleModel& model,
+                                              int round, const std::string& chapter) const;
   Samples learn_in_rounds(LinearStage& linear, TrainingResult& result);
-  void learn_what_was_kept_apart(Samples& samples, LinearStage& linear, TrainingResult& result);
+  void learn_kernel_in_rounds(Samples& samples, TrainingResult& result) const;
+  void learn_what_was_kept_apart(Samples& samples, TrainingResult& result) const;
   std::optional<KernelStage> kernel_machine(const Samples& samples, const LinearStage& linear) const;
 
   const TrainingData& data_;
@@ -90,11 +104,24 @@ class Training {
   const HogGeometry hog_;
 };
 
-std::vector<TrainingWindow> Training::hard_windows(std::span<const std::uint32_t> pictures, const LinearStage& linear,
+WindowScorer scorer_of(const LinearStage& linear) {
+  return [&](std::span<const float> features) { return linear_score(linear, features); };
+}
+
+std::vector<TrainingWindow> Training::hard_windows(std::span<const std::uint32_t> pictures, const WindowScorer& score,
                                                    std::uint32_t round, const std::string& chapter) const {
-  const auto score = [&](std::span<const float> features) { return linear_score(linear, features); };
   return mine_hard_windows(data_.background, pictures, hog_, score, round, options_,
                            [&](std::size_t done) { say("hard windows, " + chapter, done, pictures.size()); });
+}
+
+/// What the linear machine lets through and the kernel machine takes for a person, or nearly.
+std::vector<TrainingWindow> Training::hard_for_kernel(std::span<const std::uint32_t> pictures, const PeopleModel& model,
+                                                      int round, const std::string& chapter) const {
+  const auto score = [&](std::span<const float> features) {
+    return linear_score(model.linear, features) < options_.rbf.reject_below ? -std::numeric_limits<double>::infinity()
+                                                                            : kernel_score(*model.kernel, features);
+  };
+  return hard_windows(pictures, score, kFirstKernelRound + static_cast<std::uint32_t>(round), chapter);
 }
 
 /// The linear machine on people and random background, then again with what it took for people, and so on.
@@ -115,7 +142,8 @@ Samples Training::learn_in_rounds(LinearStage& linear, TrainingResult& result) {
     keep_background(samples, [&](std::span<const float> features) {
       return linear_score(linear, features) > options_.negatives.hard_above - kForgetMargin;
     });
-    const auto hard = hard_windows(parts_.background.learnt, linear, static_cast<std::uint32_t>(round), name);
+    const auto hard =
+        hard_windows(parts_.background.learnt, scorer_of(linear), static_cast<std::uint32_t>(round), name);
     add_background(samples, data_.background, hard, hog_);
     result.rounds.push_back({name, hard.size(), samples.background.size()});
     checkpoint_.save({round, samples.background, result.rounds});
@@ -124,20 +152,46 @@ Samples Training::learn_in_rounds(LinearStage& linear, TrainingResult& result) {
   return samples;
 }
 
+/// The kernel machine on what the linear one does not clearly reject, then again with what it took for people.
+void Training::learn_kernel_in_rounds(Samples& samples, TrainingResult& result) const {
+  PeopleModel& model = result.model;
+  model.kernel = kernel_machine(samples, model.linear);
+  for (int round = 1; model.kernel && round <= options_.rbf.rounds; ++round) {
+    const std::string name = fmt::format("kernel machine, round {}", round);
+    const auto hard = hard_for_kernel(parts_.background.learnt, model, round, name);
+    add_background(samples, data_.background, hard, hog_);
+    result.rounds.push_back({name, hard.size(), samples.background.size()});
+    model.kernel = kernel_machine(samples, model.linear);
+  }
+  if (model.kernel) model.linear.reject_below = options_.rbf.reject_below;
+}
+
 /// The same windows and those that were kept apart, so that no picture is wasted.
-void Training::learn_what_was_kept_apart(Samples& samples, LinearStage& linear, TrainingResult& result) {
+void Training::learn_what_was_kept_apart(Samples& samples, TrainingResult& result) const {
   const std::string name = "pictures kept apart";
+  PeopleModel& model = result.model;
+  const std::size_t known = samples.background.size();
   std::vector<TrainingWindow> background = samples.background;
   for (int round = 1; round <= std::max(1, options_.negatives.rounds); ++round)
-    std::ranges::copy(hard_windows(parts_.background.kept_apart, linear, static_cast<std::uint32_t>(round), name),
+    std::ranges::copy(
+        hard_windows(parts_.background.kept_apart, scorer_of(model.linear), static_cast<std::uint32_t>(round), name),
+        std::back_inserter(background));
+  for (int round = 1; model.kernel && round <= options_.rbf.rounds; ++round)
+    std::ranges::copy(hard_for_kernel(parts_.background.kept_apart, model, round, name),
                       std::back_inserter(background));
   std::vector<std::uint32_t> everyone = parts_.people.learnt;
   std::ranges::copy(parts_.people.kept_apart, std::back_inserter(everyone));
   samples = people_samples(data_.people, everyone, hog_, options_);
-  const std::size_t known = samples.background.size();
   add_background(samples, data_.background, background, hog_);
-  result.rounds.push_back({name, background.size() - known, samples.background.size()});
-  linear = linear_machine(samples, "all pictures");
+  result.rounds.push_back({name, samples.background.size() - known, samples.background.size()});
+  LinearStage linear = linear_machine(samples, "all pictures");
+  linear.calibration = model.linear.calibration;
+  linear.reject_below = model.linear.reject_below;
+  model.linear = std::move(linear);
+  if (!model.kernel) return;
+  const ScoreCalibration calibration = model.kernel->calibration;
+  model.kernel = kernel_machine(samples, model.linear);
+  if (model.kernel) model.kernel->calibration = calibration;
 }
 
 std::optional<KernelStage> Training::kernel_machine(const Samples& samples, const LinearStage& linear) const {
@@ -156,23 +210,10 @@ TrainingResult Training::run() {
   PeopleModel& model = result.model;
   model.hog = hog_;
   Samples samples = learn_in_rounds(model.linear, result);
-  model.kernel = kernel_machine(samples, model.linear);
-  if (model.kernel) model.linear.reject_below = options_.rbf.reject_below;
-
+  learn_kernel_in_rounds(samples, result);
   validate(data_, parts_.people.kept_apart, parts_.background.kept_apart, kWindowsKeptApart, options_, result,
            [&](std::size_t done, std::size_t total) { say("validation", done, total); });
-
-  if (options_.refit) {
-    const LinearStage seen_part = model.linear;
-    learn_what_was_kept_apart(samples, model.linear, result);
-    model.linear.calibration = seen_part.calibration;
-    model.linear.reject_below = seen_part.reject_below;
-    if (model.kernel) {
-      const ScoreCalibration calibration = model.kernel->calibration;
-      model.kernel = kernel_machine(samples, model.linear);
-      if (model.kernel) model.kernel->calibration = calibration;
-    }
-  }
+  if (options_.refit) learn_what_was_kept_apart(samples, result);
   result.people = samples.people;
   result.background = samples.background.size();
   return result;

@@ -81,6 +81,7 @@ struct KernelSvmOptions {
   double gamma = 0.03;
   int projection = 200;
   double reject_below = -1.5;
+  int rounds = 1;
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
@@ -89,6 +90,7 @@ struct KernelSvmOptions {
     field("projection", self.projection, Range{1, 100000}, "principal axes of the features that are kept");
     field("reject_below", self.reject_below, Range{-100.0, 100.0},
           "score of the linear machine below which a window is rejected without asking the second one");
+    field("rounds", self.rounds, Range{0, 32}, "rounds of hard windows that both machines so far take for people");
   }
 };
 

@@ -74,6 +74,37 @@ TEST_F(TrainPeople, TellsToyPeopleFromToyBackground) {
   }
 }
 
+TEST_F(TrainPeople, ShowsTheKernelMachineWhatBothMachinesLetThrough) {
+  TrainOptions options = small_options();
+  options.kernel = SvmKernel::rbf;
+  options.refit = false;
+  options.rbf.rounds = 0;
+  const TrainingResult without = train(options);
+  EXPECT_EQ(without.rounds.back().name, "round 2");
+  options.rbf.rounds = 1;
+  const TrainingResult with = train(options);
+  EXPECT_EQ(with.rounds.back().name, "kernel machine, round 1");
+  EXPECT_GT(with.background, without.background);
+  EXPECT_EQ(with.model.linear.weights, without.model.linear.weights) << "what the first stage rejects stays rejected";
+  EXPECT_NE(with.model.kernel->coefficients, without.model.kernel->coefficients);
+}
+
+TEST_F(TrainPeople, LearnsFromAllPairsWithProposals) {
+  TrainOptions options = small_options();
+  options.refit = false;
+  const TrainingResult without = train(options);
+  const std::size_t pictures = data_.background.size();
+  for (std::size_t i = 0; i < pictures; ++i) {
+    TrainingPicture pair = data_.background[i];
+    pair.has_proposals = true;
+    pair.proposals = {{10, 10, 60, 120}, {120, 30, 60, 120}};
+    data_.background.push_back(pair);
+  }
+  const TrainingResult with = train(options);
+  EXPECT_EQ(with.validation.negatives.size(), without.validation.negatives.size());
+  EXPECT_NE(with.model.linear.weights, without.model.linear.weights);
+}
+
 TEST_F(TrainPeople, GivesTheSameBytesTwiceOnAnyNumberOfThreads) {
   TrainOptions options = small_options();
   options.kernel = SvmKernel::rbf;
