@@ -92,8 +92,8 @@ class Training {
   std::vector<TrainingWindow> hard_for_kernel(std::span<const std::uint32_t> pictures, const PeopleModel& model,
                                               int round, const std::string& chapter) const;
   Samples learn_in_rounds(LinearStage& linear, TrainingResult& result);
-  void learn_kernel_in_rounds(Samples& samples, TrainingResult& result) const;
-  void learn_what_was_kept_apart(Samples& samples, TrainingResult& result) const;
+  Samples learn_kernel_in_rounds(Samples samples, TrainingResult& result) const;
+  Samples learn_what_was_kept_apart(const Samples& samples, const Samples& of_kernel, TrainingResult& result) const;
   std::optional<KernelStage> kernel_machine(const Samples& samples, const LinearStage& linear) const;
 
   const TrainingData& data_;
@@ -152,8 +152,9 @@ Samples Training::learn_in_rounds(LinearStage& linear, TrainingResult& result) {
   return samples;
 }
 
-/// The kernel machine on what the linear one does not clearly reject, then again with what it took for people.
-void Training::learn_kernel_in_rounds(Samples& samples, TrainingResult& result) const {
+/// The kernel machine on what the linear one does not clearly reject, then again with what it took for people. The
+/// linear machine does not learn from that: it would reject more people.
+Samples Training::learn_kernel_in_rounds(Samples samples, TrainingResult& result) const {
   PeopleModel& model = result.model;
   model.kernel = kernel_machine(samples, model.linear);
   for (int round = 1; model.kernel && round <= options_.rbf.rounds; ++round) {
@@ -164,34 +165,38 @@ void Training::learn_kernel_in_rounds(Samples& samples, TrainingResult& result) 
     model.kernel = kernel_machine(samples, model.linear);
   }
   if (model.kernel) model.linear.reject_below = options_.rbf.reject_below;
+  return samples;
 }
 
 /// The same windows and those that were kept apart, so that no picture is wasted.
-void Training::learn_what_was_kept_apart(Samples& samples, TrainingResult& result) const {
+Samples Training::learn_what_was_kept_apart(const Samples& samples, const Samples& of_kernel,
+                                            TrainingResult& result) const {
   const std::string name = "pictures kept apart";
   PeopleModel& model = result.model;
-  const std::size_t known = samples.background.size();
-  std::vector<TrainingWindow> background = samples.background;
+  std::vector<TrainingWindow> for_linear = samples.background, for_kernel = of_kernel.background;
   for (int round = 1; round <= std::max(1, options_.negatives.rounds); ++round)
     std::ranges::copy(
         hard_windows(parts_.background.kept_apart, scorer_of(model.linear), static_cast<std::uint32_t>(round), name),
-        std::back_inserter(background));
+        std::back_inserter(for_linear));
   for (int round = 1; model.kernel && round <= options_.rbf.rounds; ++round)
     std::ranges::copy(hard_for_kernel(parts_.background.kept_apart, model, round, name),
-                      std::back_inserter(background));
+                      std::back_inserter(for_kernel));
   std::vector<std::uint32_t> everyone = parts_.people.learnt;
   std::ranges::copy(parts_.people.kept_apart, std::back_inserter(everyone));
-  samples = people_samples(data_.people, everyone, hog_, options_);
-  add_background(samples, data_.background, background, hog_);
-  result.rounds.push_back({name, samples.background.size() - known, samples.background.size()});
-  LinearStage linear = linear_machine(samples, "all pictures");
+  Samples all = people_samples(data_.people, everyone, hog_, options_);
+  add_background(all, data_.background, for_linear, hog_);
+  LinearStage linear = linear_machine(all, "all pictures");
   linear.calibration = model.linear.calibration;
   linear.reject_below = model.linear.reject_below;
   model.linear = std::move(linear);
-  if (!model.kernel) return;
-  const ScoreCalibration calibration = model.kernel->calibration;
-  model.kernel = kernel_machine(samples, model.linear);
-  if (model.kernel) model.kernel->calibration = calibration;
+  if (model.kernel) {
+    add_background(all, data_.background, for_kernel, hog_);
+    const ScoreCalibration calibration = model.kernel->calibration;
+    model.kernel = kernel_machine(all, model.linear);
+    if (model.kernel) model.kernel->calibration = calibration;
+  }
+  result.rounds.push_back({name, all.background.size() - of_kernel.background.size(), all.background.size()});
+  return all;
 }
 
 std::optional<KernelStage> Training::kernel_machine(const Samples& samples, const LinearStage& linear) const {
@@ -209,13 +214,13 @@ TrainingResult Training::run() {
   TrainingResult result;
   PeopleModel& model = result.model;
   model.hog = hog_;
-  Samples samples = learn_in_rounds(model.linear, result);
-  learn_kernel_in_rounds(samples, result);
+  const Samples samples = learn_in_rounds(model.linear, result);
+  Samples of_kernel = learn_kernel_in_rounds(samples, result);
   validate(data_, parts_.people.kept_apart, parts_.background.kept_apart, kWindowsKeptApart, options_, result,
            [&](std::size_t done, std::size_t total) { say("validation", done, total); });
-  if (options_.refit) learn_what_was_kept_apart(samples, result);
-  result.people = samples.people;
-  result.background = samples.background.size();
+  const Samples all = options_.refit ? learn_what_was_kept_apart(samples, of_kernel, result) : std::move(of_kernel);
+  result.people = all.people;
+  result.background = all.background.size();
   return result;
 }
 
