@@ -26,7 +26,7 @@ struct AssembleOptions {
   double see_through_gap_m = 0.5;
   double max_width_m = 3.0;
   double max_surface_m = 6.0;
-  double near_quantile = 0.1;
+  double near_quantile = 0.08;
   double radius_bandwidths = 3.5;
   double min_height_m = 0.3;
   double min_height_px = 9.0;

@@ -103,7 +103,9 @@ void keep(std::span<const std::uint32_t> chosen, ImagePopulation& flies) {
 
 void locate(const Habitat& habitat, const ImagePopulation& in_image, Population& flies) {
   flies.resize(in_image.size());
-  for (std::size_t i = 0; i < in_image.size(); ++i) flies.set(i, habitat.point(in_image.point(i)), in_image.fitness[i]);
+  for_parts(0, in_image.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) flies.set(i, habitat.point(in_image.point(i)), in_image.fitness[i]);
+  });
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ struct EvolveOptions {
   double keep_share = 0.25;
   double crossover_share = 0.1;
   double immigration_share = 0.5;
-  double steering_share = 0.0;
+  double steering_share = 0.2;
   SharingOptions sharing;
   UniquenessOptions uniqueness;
   MutationOptions mutation;

@@ -1,10 +1,13 @@
 #include "flies/evolve/niches.hpp"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <functional>
 
 namespace flies {
 
@@ -44,12 +47,12 @@ void share_fitness(std::span<const float> fitness, std::span<const float> crowdi
 void find_rivalled(const ImagePopulation& flies, int width_px, int height_px, const UniquenessOptions& options,
                    UniquenessGrid& grid, std::vector<std::uint8_t>& rivalled) {
   const Cells cells(width_px, height_px, options.reach_u_px, options.reach_v_px);
-  grid.fittest.resize(cells.size() + 2);
-  grid.looks.resize(flies.size());
-  grid.cell_of_fly.resize(flies.size());
-  grid.listed.resize(flies.size() + 1);
-  rivalled.assign(flies.size(), 0);
-  for (const float shift : {0.0F, 1.0F})
+  const auto search = [&](float shift, UniquenessGrid::OfImage& image) {
+    image.fittest.resize(cells.size() + 2);
+    image.looks.resize(flies.size());
+    image.cell_of_fly.resize(flies.size());
+    image.listed.resize(flies.size() + 1);
+    image.rivalled.assign(flies.size(), 0);
     kernels::mark_rivalled({.fitness = flies.fitness.data(),
                             .u_px = flies.u_px.data(),
                             .v_px = flies.v_px.data(),
@@ -61,11 +64,16 @@ void find_rivalled(const ImagePopulation& flies, int width_px, int height_px, co
                             .reach_v_px = static_cast<float>(options.reach_v_px),
                             .disparity_gap_px = static_cast<float>(options.disparity_px),
                             .margin = static_cast<float>(options.margin),
-                            .looks = grid.looks.data(),
-                            .cell_of_fly = grid.cell_of_fly.data(),
-                            .listed = grid.listed.data(),
-                            .fittest = grid.fittest.data()},
-                           rivalled.data());
+                            .looks = image.looks.data(),
+                            .cell_of_fly = image.cell_of_fly.data(),
+                            .listed = image.listed.data(),
+                            .fittest = image.fittest.data()},
+                           image.rivalled.data());
+  };
+  tbb::parallel_invoke([&] { search(0.0F, grid.left); }, [&] { search(1.0F, grid.right); });
+  rivalled.resize(flies.size());
+  std::transform(grid.left.rivalled.begin(), grid.left.rivalled.end(), grid.right.rivalled.begin(), rivalled.begin(),
+                 std::bit_or<std::uint8_t>());
 }
 
 void select_fittest(std::span<const float> fitness, std::size_t count, std::vector<std::uint32_t>& fittest) {

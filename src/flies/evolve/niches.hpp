@@ -32,14 +32,19 @@ void share_fitness(std::span<const float> fitness, std::span<const float> crowdi
 
 /// Memory of `find_rivalled`. The cells have no fitness between calls.
 struct UniquenessGrid {
-  std::vector<kernels::Look> fittest;  ///< of each cell
-  std::vector<kernels::Look> looks;
-  std::vector<std::uint32_t> cell_of_fly, listed;
+  struct OfImage {
+    std::vector<kernels::Look> fittest;  ///< of each cell
+    std::vector<kernels::Look> looks;
+    std::vector<std::uint32_t> cell_of_fly, listed;
+    std::vector<std::uint8_t> rivalled;
+  };
+  OfImage left, right;
 };
 
 /// Uniqueness: a pixel shows one surface. For every fly, whether a fitter fly of clearly other disparity looks at
 /// nearly the same place of the left or of the right image; then at most the fitter one can be right.
 /// @param rivalled set to the size of the population: 1 for rivalled, 0 for not
+/// Searches both images at once on oneTBB's current arena.
 void find_rivalled(const ImagePopulation& flies, int width_px, int height_px, const UniquenessOptions& options,
                    UniquenessGrid& grid, std::vector<std::uint8_t>& rivalled);
 

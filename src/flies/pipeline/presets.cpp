@@ -21,6 +21,7 @@ DetectorOptions paper_options() {
   o.evolve.keep_share = 0.5;
   o.evolve.crossover_share = 0.2;
   o.evolve.immigration_share = 0.1;
+  o.evolve.steering_share = 0.0;
   o.evolve.sharing = {.cell_px = 7, .strength = 1.0};
   o.evolve.mutation = {.image_px = 4.0, .disparity_px = 1.6, .cooling = 1.0};
   o.evolve.uniqueness.enforce = false;
