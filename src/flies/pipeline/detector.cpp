@@ -20,9 +20,18 @@ auto timed(StageTimes_ms& stage_ms, Stage stage, const Run& run) {
 
 }  // namespace
 
+/// Kept from pair to pair: workers that had to be called together anew would come late to a pair of some milliseconds.
+struct Detector::Workers {
+  tbb::task_arena arena;
+};
+
 Detector::Detector(const StereoCamera& camera, const DetectorOptions& options,
                    std::shared_ptr<const PeopleClassifier> classifier)
-    : camera_(camera), projection_(camera), options_(options), classifier_(std::move(classifier)) {
+    : camera_(camera),
+      projection_(camera),
+      options_(options),
+      classifier_(std::move(classifier)),
+      workers_(new Workers{tbb::task_arena(options.threads == 0 ? tbb::task_arena::automatic : options.threads)}) {
   check_camera(camera_, "camera");
   check_detector_options(options_, "options");
 }
@@ -30,8 +39,7 @@ Detector::Detector(const StereoCamera& camera, const DetectorOptions& options,
 Detection Detector::process(const RectifiedPair& pair) {
   check_pair(pair);
   check_camera_fits(camera_, pair.left.width_px, pair.left.height_px, "camera");
-  tbb::task_arena arena(options_.threads == 0 ? tbb::task_arena::automatic : options_.threads);
-  auto detection = arena.execute([&] { return detect(pair); });
+  auto detection = workers_->arena.execute([&] { return detect(pair); });
   last_obstacles_ = detection.obstacles;
   ++frame_;
   return detection;

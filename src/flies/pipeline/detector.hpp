@@ -79,9 +79,9 @@ struct Detection {
 };
 
 /// Finds obstacles and pedestrians in rectified pairs of one camera. What it remembers from pair to pair: their count,
-/// so that each gets random numbers of its own, and the obstacles of the last one, which may steer the flies of the
-/// next
-/// (`evolve.steering_share`). The n-th call is a function of the pairs so far, camera, options and classifier.
+/// so that each gets random numbers of its own, and the obstacles of the last one, which steer some flies of the next
+/// (`evolve.steering_share`). Copies share their worker threads. The n-th call is a function of the pairs so far,
+/// camera, options and classifier.
 class Detector {
  public:
   /// @throws InputError when the camera or an option is out of range
@@ -96,12 +96,15 @@ class Detector {
   const DetectorOptions& options() const { return options_; }
 
  private:
+  struct Workers;
+
   Detection detect(const RectifiedPair& pair);
 
   StereoCamera camera_;
   Projection projection_;
   DetectorOptions options_;
   std::shared_ptr<const PeopleClassifier> classifier_;
+  std::shared_ptr<Workers> workers_;
   Evolver evolver_;
   Concentrator concentrator_;
   std::vector<Obstacle> last_obstacles_;
