@@ -76,7 +76,7 @@ flies::DetectorOptions proposing(const flies::TrainOptions& options) {
 }
 
 flies::TrainingData find_data(const TrainArguments& arguments, const flies::TrainOptions& options) {
-  flies::TrainingData data{flies::find_people(arguments.positives, arguments.crop_person_share),
+  flies::TrainingData data{flies::find_pictures_of_people(arguments.positives, arguments.crop_person_share),
                            flies::find_background(arguments.negatives)};
   for (auto& picture : flies::find_proposals(arguments.stereo_negatives, proposing(options)))
     data.background.push_back(std::move(picture));

@@ -30,7 +30,7 @@ class TrainPeople : public ::testing::Test {
  protected:
   TrainPeople() {
     testing::write_toy_data(folder_.file(""), 30, 12);
-    data_.people = find_people(std::vector<std::string>{folder_.file("people")}, 0.75);
+    data_.people = find_pictures_of_people(std::vector<std::string>{folder_.file("people")}, 0.75);
     data_.background = find_background(std::vector<std::string>{folder_.file("street")});
   }
   TrainingResult train(const TrainOptions& options, const TrainingProgress& progress = {}) const {

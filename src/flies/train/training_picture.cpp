@@ -127,7 +127,7 @@ ImageBox person_in(const GrayImage& crop, double share) {
 
 }  // namespace
 
-std::vector<TrainingPicture> find_people(std::span<const std::string> folders, double crop_person_share) {
+std::vector<TrainingPicture> find_pictures_of_people(std::span<const std::string> folders, double crop_person_share) {
   std::vector<TrainingPicture> result;
   for (const auto& folder : folders) {
     std::size_t people = 0;

@@ -31,10 +31,10 @@ struct TrainingPicture {
 /// @returns in name order, folder after folder; labelled pictures without a person to learn from are left out
 /// @throws InputError naming the folder when it holds no pictures, or the label file and line; from
 ///         reading a crop
-std::vector<TrainingPicture> find_people(std::span<const std::string> folders, double crop_person_share);
+std::vector<TrainingPicture> find_pictures_of_people(std::span<const std::string> folders, double crop_person_share);
 
 /// Finds pictures to take background from: without people, or with all people labelled in KITTI or Pascal VOC format.
-/// @throws InputError as `find_people`
+/// @throws InputError as `find_pictures_of_people`
 std::vector<TrainingPicture> find_background(std::span<const std::string> folders);
 
 /// The left images of stereo pairs with the windows that the flies propose in them. The folders are those that

@@ -22,12 +22,12 @@ class FindPeople : public ::testing::Test {
 };
 
 std::string fault_of(const std::vector<std::string>& folders) {
-  return testing::error_of([&] { find_people(folders, 0.75); });
+  return testing::error_of([&] { find_pictures_of_people(folders, 0.75); });
 }
 
 TEST_F(FindPeople, TakesCropsOfAnySizeAsOnePersonInTheMiddle) {
   testing::write_picture(path("a/small.png"), testing::toy_background(30, 60, 1));
-  const auto people = find_people(std::vector<std::string>{path("a")}, 0.5);
+  const auto people = find_pictures_of_people(std::vector<std::string>{path("a")}, 0.5);
   ASSERT_THAT(people, SizeIs(1));
   ASSERT_THAT(people[0].people, SizeIs(1));
   EXPECT_EQ(people[0].people[0].v_px, 15.0);
@@ -46,7 +46,7 @@ TEST_F(FindPeople, ReadsLabelsBesideTheirPictures) {
   testing::write_picture(path("voc/b.png"), testing::toy_background(200, 160, 1));
   std::ofstream(path("voc/b.xml")) << "<annotation><object><name>person</name><bndbox><xmin>1</xmin><ymin>2</ymin>"
                                       "<xmax>31</xmax><ymax>92</ymax></bndbox></object></annotation>";
-  const auto people = find_people(std::vector<std::string>{path("kitti"), path("voc")}, 0.75);
+  const auto people = find_pictures_of_people(std::vector<std::string>{path("kitti"), path("voc")}, 0.75);
   ASSERT_THAT(people, SizeIs(2));
   EXPECT_EQ(people[0].people[0].height_px, 100.0);
   EXPECT_EQ(people[1].people[0].height_px, 90.0);
