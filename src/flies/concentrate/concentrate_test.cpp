@@ -4,24 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
+#include "flies/core/count_allocations.hpp"
 #include "flies/core/random.hpp"
-
-namespace {
-std::size_t allocations = 0;
-}  // namespace
-
-// Counts what this program allocates; the sized and array forms of the library come down to these.
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace flies {
 namespace {
@@ -371,9 +357,9 @@ TEST(Concentrator, AllocatesNothingOnceItHasSeenAPopulationOfTheSize) {
   const auto camera = projection();
   Concentrator concentrator;
   concentrator.concentrate(pairs.front(), camera, {}, {}, {});
-  const auto before = allocations;
+  const auto before = testing::allocations;
   for (std::size_t pair = 1; pair < pairs.size(); ++pair) concentrator.concentrate(pairs[pair], camera, {}, {}, {});
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(testing::allocations, before);
 }
 
 }  // namespace

@@ -5,26 +5,12 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <new>
 #include <numeric>
 #include <vector>
 
+#include "flies/core/count_allocations.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/random.hpp"
-
-namespace {
-std::size_t allocations = 0;
-}  // namespace
-
-// Counts what this program allocates; the sized and array forms of the library come down to these.
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace flies {
 namespace {
@@ -169,9 +155,9 @@ TEST(Evolver, AllocatesNothingOnceItHasSeenAPair) {
   Evolver evolver;
   tbb::task_arena(1).execute([&] {
     evolver.evolve(wall.pair(), projection, {}, {}, {}, small_options(), {1, 0});
-    const auto before = allocations;
+    const auto before = testing::allocations;
     evolver.evolve(wall.pair(), projection, {}, {}, {}, small_options(), {1, 1});
-    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(testing::allocations, before);
   });
 }
 
