@@ -53,7 +53,7 @@ class Habitat {
     double at(const StereoPoint& fly) const { return constant + per_u * fly.u_px + per_v * fly.v_px; }
   };
 
-  /// Nearnesses, each linear in the place, that q is not below, or not above: `sight` is the strictest of them.
+  /// Some nearnesses, each linear in the place and divided by the bound of a coordinate.
   class Bounds {
    public:
     void add(const Linear& bound) { bounds_[count_++] = bound; }
@@ -63,6 +63,8 @@ class Habitat {
     std::array<Linear, 7> bounds_;  // one of its own, and two for each of three coordinates
     std::size_t count_ = 0;
   };
+
+  /// What q is not below and not above at a place; `sight` is the strictest of each.
   std::span<const Linear> least_q() const { return least_q_.all(); }
   std::span<const Linear> most_q() const { return most_q_.all(); }
 

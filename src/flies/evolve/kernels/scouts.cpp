@@ -65,8 +65,8 @@ HWY_INLINE V linear(const Linear& f, V u, V v) {
 struct Sights {
   HWY_ALIGN float u_px[kBlock], v_px[kBlock];
   HWY_ALIGN float least_q[kBlock], most_q[kBlock], log_least[kBlock], log_step[kBlock];
-  HWY_ALIGN std::int32_t column[kBlock],
-      row[kBlock];  ///< of the first pixel of the row; -1 when there is nothing to try
+  /// Of the first pixel of the row; the column is -1 where there is nothing to try.
+  HWY_ALIGN std::int32_t column[kBlock], row[kBlock];
 };
 
 HWY_INLINE void look(const ScoutSearch& search, Sights& sights, std::size_t k) {
