@@ -1,3 +1,6 @@
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <cmath>
 
 #include "flies/concentrate/concentrate.hpp"
@@ -10,9 +13,25 @@ namespace {
 /// A shift shorter than this ends the iterations early.
 constexpr double kConverged_px = 0.01;
 
+/// Points a task: some ten microseconds of work.
+constexpr std::size_t kPointsPerTask = 32;
+
 /// The flies under a kernel of bandwidth h at p.
 kernels::KernelSums sum_kernel(const PixelGrid& flies, const PixelPoint& p, double h) {
   return kernels::sum_kernel(flies.near(p, kernels::kKernelReach * h), p.u_px, p.v_px, h);
+}
+
+/// Where a point arrives that is moved to the mean of the flies around it again and again.
+PixelPoint shift_mean(const PixelGrid& flies, double bandwidth_px, int iterations, PixelPoint p) {
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    const auto sums = sum_kernel(flies, p, bandwidth_px);
+    if (sums.weight <= 0.0) break;
+    // p <- sum w_i p_i with weights that add up to 1, written as a step from p.
+    const double du = sums.du_px / sums.weight, dv = sums.dv_px / sums.weight;
+    p = {p.u_px + du, p.v_px + dv};
+    if (du * du + dv * dv < kConverged_px * kConverged_px) break;
+  }
+  return p;
 }
 
 DroppedFly drop(const Projection& projection, const RoadPlane& road, double x_m, double y_m, double fitness) {
@@ -45,17 +64,10 @@ std::vector<DroppedFly> drop_flies(const Population& flies, const Projection& pr
 }
 
 void shift_means(const PixelGrid& flies, const ConcentrateOptions& options, std::span<ShiftedPoint> points) {
-  for (auto& [start, p] : points) {
-    p = start;
-    for (int iteration = 0; iteration < options.iterations; ++iteration) {
-      const auto sums = sum_kernel(flies, p, options.bandwidth_px);
-      if (sums.weight <= 0.0) break;
-      // p <- sum w_i p_i with weights that add up to 1, written as a step from p.
-      const double du = sums.du_px / sums.weight, dv = sums.dv_px / sums.weight;
-      p = {p.u_px + du, p.v_px + dv};
-      if (du * du + dv * dv < kConverged_px * kConverged_px) break;
-    }
-  }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kPointsPerTask), [&](const auto& part) {
+    for (auto& point : points.subspan(part.begin(), part.size()))
+      point.end = shift_mean(flies, options.bandwidth_px, options.iterations, point.start);
+  });
 }
 
 std::vector<ShiftedPoint> shift_means(const std::vector<PixelPoint>& starts, const std::vector<DroppedFly>& flies,

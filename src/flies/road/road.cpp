@@ -1,6 +1,8 @@
 #include "flies/road/road.hpp"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -33,6 +35,8 @@ constexpr double kDisparityNoise_px = 0.5;
 constexpr double kPriorHeight_m = 0.03;
 constexpr double kPriorBank = 0.01;
 
+constexpr std::size_t kProbesPerTask = 32;
+
 /// Probes along rows that are evenly spaced in the image from the far to the near edge of the probed stretch.
 std::vector<StereoPoint> place_probes(const RectifiedPair& pair, const Projection& projection,
                                       const RoadOptions& options) {
@@ -51,6 +55,18 @@ std::vector<StereoPoint> place_probes(const RectifiedPair& pair, const Projectio
     }
   }
   return probes;
+}
+
+/// Has the rows around a probe and around its match on the nominal road fetched: the road is the first to touch a pair,
+/// and waiting for memory would be half of its time.
+void prefetch(const RectifiedPair& pair, const StereoPoint& image) {
+  constexpr int kHalfHeight = kernels::kShiftRows / 2;
+  const int u = static_cast<int>(image.u_px), v = static_cast<int>(image.v_px);
+  const int right_u = std::clamp(static_cast<int>(image.u_px - image.disparity_px), 0, pair.right.width_px - 1);
+  for (int row = std::max(0, v - kHalfHeight); row <= std::min(pair.left.height_px - 1, v + kHalfHeight); ++row) {
+    __builtin_prefetch(pair.left.row(row) + u);
+    __builtin_prefetch(pair.right.row(row) + right_u);
+  }
 }
 
 /// Correlations of the neighbourhood of a left pixel with those at a row of disparities, in steps of one pixel from
@@ -159,15 +175,19 @@ RoadPlane fit_plane(const Projection& projection, std::vector<RoadProbe>& probes
   return plane;
 }
 
+/// Where a probe matched, beside the road.
+struct Match {
+  double x_m, y_m, z_m;
+  double disparity_per_height;
+};
+
 /// Matches on the plane less matches below it. Below a road there is nothing, above it there are obstacles.
-int support(const Projection& projection, const std::vector<RoadProbe>& probes, const RoadPlane& plane) {
+int support(const std::vector<Match>& matches, const RoadPlane& plane) {
   int result = 0;
-  for (const auto& probe : probes) {
-    if (probe.correlation == 0.0) continue;
-    const Point3& p = probe.point;
-    const double error_px = disparity_per_height(projection, p) * (p.z_m - plane.z_m(p.x_m, p.y_m));
-    if (std::abs(error_px) < kInlierDisparity_px) ++result;
-    if (error_px <= -kInlierDisparity_px) --result;
+  for (const auto& match : matches) {
+    const double error_px = match.disparity_per_height * (match.z_m - plane.z_m(match.x_m, match.y_m));
+    result += static_cast<int>(std::abs(error_px) < kInlierDisparity_px) -
+              static_cast<int>(error_px <= -kInlierDisparity_px);
   }
   return result;
 }
@@ -177,11 +197,15 @@ RoadPlane search_slopes(const Projection& projection, const std::vector<RoadProb
   const double step =
       0.5 * projection.height_m() / (projection.disparity_at_depth(1.0) - projection.disparity_offset_px());
   const int steps = static_cast<int>(max_slope / step);
+  std::vector<Match> matches;
+  for (const auto& [point, correlation, inlier] : probes)
+    if (correlation > 0.0)
+      matches.push_back({point.x_m, point.y_m, point.z_m, disparity_per_height(projection, point)});
   RoadPlane best;
-  int best_support = support(projection, probes, best);
+  int best_support = support(matches, best);
   for (int s = -steps; s <= steps; ++s) {
     const RoadPlane plane{0.0, s * step, 0.0};
-    if (const int plane_support = support(projection, probes, plane); plane_support > best_support) {
+    if (const int plane_support = support(matches, plane); plane_support > best_support) {
       best = plane;
       best_support = plane_support;
     }
@@ -200,9 +224,15 @@ void check_road_options(const RoadOptions& options, const std::string& source) {
 RoadResult estimate_road(const RectifiedPair& pair, const Projection& projection, const RoadOptions& options) {
   RoadResult result;
   if (!options.estimate) return result;
-  std::vector<float> correlation;
-  for (const auto& image : place_probes(pair, projection, options))
-    result.probes.push_back(match_probe(pair, projection, options, image, correlation));
+  const auto places = place_probes(pair, projection, options);
+  result.probes.resize(places.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, places.size(), kProbesPerTask), [&](const auto& part) {
+    std::vector<float> correlation;
+    for (std::size_t i = part.begin(); i < part.end(); ++i) {
+      if (i + 1 < part.end()) prefetch(pair, places[i + 1]);
+      result.probes[i] = match_probe(pair, projection, options, places[i], correlation);
+    }
+  });
 
   const auto start = search_slopes(projection, result.probes, options.max_slope);
   const auto plane = fit_plane(projection, result.probes, start);
