@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <set>
+#include <cstdint>
+#include <utility>
 
 #include "flies/core/error.hpp"
 
@@ -59,13 +59,12 @@ Roi roi_at(const Point3& feet, double height_m, const Projection& projection, do
 }
 
 /// The same person one or more steps to the left and down in the image. Feet stay where the obstacle's range has them.
-Roi shifted(Roi roi, int left, int down, double step_m, const ProposeOptions& options) {
-  const double step_px = options.step * roi.window.height_px;
+Roi shifted(Roi roi, int left, int down, double range_m, double step_m, double step_px) {
   for (ImageBox* box : {&roi.window, &roi.person}) {
     box->u_px -= left * step_px;
     box->v_px += down * step_px;
   }
-  const double range_m = std::hypot(roi.x_m, roi.y_m), left_m = left * step_m;  // across the line of sight
+  const double left_m = left * step_m;  // across the line of sight
   const double x_m = roi.x_m - left_m * roi.y_m / range_m, y_m = roi.y_m + left_m * roi.x_m / range_m;
   roi.x_m = x_m;
   roi.y_m = y_m;
@@ -76,14 +75,71 @@ bool touches_image(const ImageBox& box, int width_px, int height_px) {
   return box.u_px < width_px && box.v_px < height_px && box.u_px + box.width_px > 0.0 && box.v_px + box.height_px > 0.0;
 }
 
+/// Windows of about one size. The grid of their places belongs to the class, not to the window, or like windows would
+/// not meet.
+struct SizeClass {
+  std::int64_t number = 0;
+  double cell_px = 0.0;
+
+  SizeClass(double height_px, double merge_step) {
+    if (!(merge_step > 0.0)) return;
+    const double nearest = std::round(std::log(height_px) / std::log1p(merge_step));
+    number = std::lround(nearest);
+    cell_px = merge_step * std::pow(1.0 + merge_step, nearest);
+  }
+};
+
 /// Windows that agree to about a `merge_step` of their height in place and size share a key.
-std::array<long, 3> merge_key(const ImageBox& window, double merge_step) {
-  // The grid of places belongs to the class of sizes, not to the window, or like windows would not meet.
-  const double size_class = std::round(std::log(window.height_px) / std::log1p(merge_step));
-  const double cell_px = merge_step * std::pow(1.0 + merge_step, size_class);
-  return {std::lround(size_class), std::lround((window.u_px + window.width_px / 2.0) / cell_px),
-          std::lround((window.v_px + window.height_px / 2.0) / cell_px)};
+struct MergeKey {
+  std::int64_t size = 0, across = 0, down = 0;
+
+  bool operator==(const MergeKey&) const = default;
+};
+
+MergeKey merge_key(const ImageBox& window, const SizeClass& size) {
+  return {size.number, std::lround((window.u_px + window.width_px / 2.0) / size.cell_px),
+          std::lround((window.v_px + window.height_px / 2.0) / size.cell_px)};
 }
+
+/// Keys seen so far, in one piece of memory: a set of the library allocates a node for each.
+class SeenKeys {
+ public:
+  /// @returns whether the key is new
+  bool insert(const MergeKey& key) {
+    if (2 * (count_ + 1) > slots_.size()) grow();
+    Slot& slot = slot_of(key);
+    if (slot.is_taken) return false;
+    slot = {key, true};
+    ++count_;
+    return true;
+  }
+
+ private:
+  struct Slot {
+    MergeKey key;
+    bool is_taken = false;
+  };
+  static constexpr std::size_t kSlotsAtFirst = 2048;  // a power of two, as are all sizes
+
+  Slot& slot_of(const MergeKey& key) {
+    constexpr std::uint64_t kMixer = 0x9E3779B97F4A7C15U;  // the golden ratio, as in Knuth's multiplicative hashing
+    std::uint64_t hash = 0;
+    for (const std::int64_t part : {key.size, key.across, key.down})
+      hash = (hash ^ static_cast<std::uint64_t>(part)) * kMixer;
+    std::size_t i = static_cast<std::size_t>(hash >> 32U) & (slots_.size() - 1);
+    while (slots_[i].is_taken && slots_[i].key != key) i = (i + 1) & (slots_.size() - 1);
+    return slots_[i];
+  }
+
+  void grow() {
+    const std::vector<Slot> old = std::exchange(slots_, std::vector<Slot>(std::max(kSlotsAtFirst, 2 * slots_.size())));
+    for (const Slot& slot : old)
+      if (slot.is_taken) slot_of(slot.key) = slot;
+  }
+
+  std::vector<Slot> slots_;
+  std::size_t count_ = 0;
+};
 
 }  // namespace
 
@@ -109,15 +165,9 @@ std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Project
                               int image_width_px, int image_height_px, const ProposeOptions& options) {
   check_propose_options(options, "options");
   const auto heights_m = person_heights(options);
+  const auto downward = alternating(options.vertical_shifts);
   std::vector<Roi> rois;
-  std::set<std::array<long, 3>> taken;
-
-  const auto keep = [&](Roi roi, std::size_t obstacle) {
-    if (!touches_image(roi.person, image_width_px, image_height_px)) return;
-    if (options.merge_step > 0.0 && !taken.insert(merge_key(roi.window, options.merge_step)).second) return;
-    roi.obstacle = obstacle;
-    rois.push_back(roi);
-  };
+  SeenKeys seen;
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     const Obstacle& obstacle = obstacles[i];
     if (!may_be_person(obstacle, projection, options)) continue;
@@ -127,9 +177,16 @@ std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Project
       const Roi on_road = roi_at(feet, height_m, projection, options.person_share);
       if (on_road.person.height_px < options.min_person_px) continue;
       const double step_m = options.step * height_m / options.person_share;
+      const double step_px = options.step * on_road.window.height_px, range_m = std::hypot(feet.x_m, feet.y_m);
+      const SizeClass size(on_road.window.height_px, options.merge_step);
       for (const int left : alternating(lateral_steps(obstacle.width_m, step_m, options)))
-        for (const int down : alternating(options.vertical_shifts))
-          keep(shifted(on_road, left, down, step_m, options), i);
+        for (const int down : downward) {
+          Roi roi = shifted(on_road, left, down, range_m, step_m, step_px);
+          roi.obstacle = i;
+          if (touches_image(roi.person, image_width_px, image_height_px) &&
+              (options.merge_step == 0.0 || seen.insert(merge_key(roi.window, size))))
+            rois.push_back(roi);
+        }
     }
   }
   return rois;
