@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
+#include <set>
 
 namespace flies {
 namespace {
@@ -31,6 +33,43 @@ std::vector<ImageBox> windows_of(std::span<const Roi> rois) {
   std::vector<ImageBox> windows;
   for (const Roi& roi : rois) windows.push_back(roi.window);
   return windows;
+}
+
+double middle_height_m(std::span<const Roi> rois) {
+  std::set<double> heights_m;
+  for (const Roi& roi : rois) heights_m.insert(roi.height_m);
+  return *std::next(heights_m.begin(), static_cast<std::ptrdiff_t>(heights_m.size() / 2));
+}
+
+/// The first look, most of the time of a frame: at the middle height of an obstacle, and where that is hopeless at no
+/// other. A person a fifth taller or smaller than a box still looks a little like one.
+std::vector<double> screen(const GrayView& left, std::span<const Roi> rois, const PeopleClassifier& classifier,
+                           const ClassifyOptions& options) {
+  if (rois.empty() || !classifier.looks_twice()) return classifier.screen(left, windows_of(rois));
+  std::vector<double> probabilities(rois.size(), 0.0);
+  std::map<std::size_t, double> middle;  // of every obstacle the surest
+  const auto look = [&](const auto& is_looked_at) {
+    std::vector<std::size_t> some;
+    std::vector<ImageBox> windows;
+    for (std::size_t i = 0; i < rois.size(); ++i) {
+      if (!is_looked_at(rois[i])) continue;
+      some.push_back(i);
+      windows.push_back(rois[i].window);
+    }
+    const auto of_some = classifier.screen(left, windows);
+    for (std::size_t k = 0; k < some.size(); ++k) probabilities[some[k]] = of_some[k];
+    return some;
+  };
+  const double middle_m = middle_height_m(rois);
+  for (const std::size_t i : look([&](const Roi& roi) { return roi.height_m == middle_m; })) {
+    double& surest = middle.try_emplace(rois[i].obstacle, 0.0).first->second;
+    surest = std::max(surest, probabilities[i]);
+  }
+  look([&](const Roi& roi) {
+    const auto found = middle.find(roi.obstacle);  // none where its windows were like those of another obstacle
+    return roi.height_m != middle_m && (found == middle.end() || found->second >= options.min_middle_probability);
+  });
+  return probabilities;
 }
 
 /// Where the person is between the boxes that were tried: the mean of those of its obstacle that cover the same part of
@@ -86,7 +125,7 @@ std::vector<std::size_t> suppress_in_metres(std::span<const Roi> rois, std::span
 ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, const PeopleClassifier& classifier,
                            const ClassifyOptions& options) {
   ClassifyResult result;
-  result.screened = classifier.screen(left, windows_of(rois));
+  result.screened = screen(left, rois, classifier, options);
   const double threshold = report_threshold(classifier, options);
   const double first_threshold =
       classifier.looks_twice() ? std::max(classifier.screen_threshold(), options.min_first_probability) : threshold;

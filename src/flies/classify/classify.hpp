@@ -18,6 +18,7 @@ struct ClassifyOptions {
   double depth_radius = 0.15;
   double max_overlap = 0.6;
   double min_first_probability = 0.02;
+  double min_middle_probability = 0.005;
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
@@ -34,16 +35,21 @@ struct ClassifyOptions {
           "surer is kept");
     field("min_first_probability", self.min_first_probability, Range{0.0, 1.0},
           "boxes less probable than this at first look are not shown to a model's second stage");
+    field(
+        "min_middle_probability", self.min_middle_probability, Range{0.0, 1.0},
+        "an obstacle whose boxes of the middle height are all less probable than this at the first of two looks is no "
+        "person, and its other heights are not looked at; 0 looks at all");
   }
 };
 
 struct ClassifyResult {
-  std::vector<double> screened;         ///< the classifier's first look: one probability per ROI
+  std::vector<double> screened;         ///< the classifier's first look: one probability per ROI, 0 without a look
   std::vector<Pedestrian> pedestrians;  ///< nearest first
 };
 
-/// Finds the people among the boxes (METHOD section 5): a cheap look at all of them, the surest box at each place on
-/// the ground, the classifier's last word on those.
+/// Finds the people among the boxes (METHOD section 5): a cheap look at those of the middle height, and at the others
+/// of the obstacles that may be people; the surest box at each place on the ground; the classifier's last word on
+/// those.
 /// @param left the image that the boxes belong to, with pixels
 /// Threads: runs on oneTBB's current arena; results do not depend on the number of threads.
 ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, const PeopleClassifier& classifier,

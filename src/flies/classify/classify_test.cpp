@@ -139,6 +139,47 @@ TEST(FindPeople, LetsTheLastWordDecide) {
   EXPECT_DOUBLE_EQ(result.pedestrians[0].probability, 0.9);
 }
 
+/// Finds a window as probable as its left edge says.
+class PlaceTells final : public PeopleClassifier {
+ public:
+  const std::string& name() const override { return name_; }
+  double threshold() const override { return 0.5; }
+  bool looks_twice() const override { return true; }
+  std::vector<double> classify(const GrayView&, std::span<const ImageBox> windows) const override {
+    std::vector<double> result;
+    for (const ImageBox& window : windows) result.push_back(window.u_px);
+    return result;
+  }
+
+ private:
+  std::string name_ = "place tells";
+};
+
+TEST(FindPeople, LooksAtOtherHeightsOnlyWhereTheMiddleOneMayBeAPerson) {
+  struct Box {
+    std::size_t obstacle;
+    double height_m, probability;
+    bool is_looked_at;
+  };
+  const std::vector<Box> boxes{{0, 1.3, 0.9, false},  {0, 1.6, 0.004, true}, {0, 1.6, 0.003, true},
+                               {0, 1.9, 0.8, false},  {1, 1.3, 0.7, true},   {1, 1.6, 0.002, true},
+                               {1, 1.6, 0.006, true}, {1, 1.9, 0.6, true},   {2, 1.9, 0.3, true}};
+  std::vector<Roi> rois;
+  std::vector<double> all, looked_at;
+  for (const Box& box : boxes) {
+    rois.push_back(person(10, 4.0 * static_cast<double>(box.obstacle), box.height_m));
+    rois.back().obstacle = box.obstacle;
+    rois.back().window.u_px = box.probability;
+    all.push_back(box.probability);
+    looked_at.push_back(box.is_looked_at ? box.probability : 0.0);
+  }
+  ClassifyOptions options = without_offset();
+  options.min_middle_probability = 0.005;
+  EXPECT_EQ(find_people({}, rois, PlaceTells(), options).screened, looked_at);
+  options.min_middle_probability = 0.0;
+  EXPECT_EQ(find_people({}, rois, PlaceTells(), options).screened, all);
+}
+
 TEST(FindPeople, PlacesThePersonBetweenTheBoxesOfItsObstacleByTheirOdds) {
   const std::vector<Roi> rois = [] {
     std::vector<Roi> two{person(10, 0, 1.6), person(10, 0, 1.9)};
