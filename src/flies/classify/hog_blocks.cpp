@@ -70,10 +70,8 @@ class CellSums {
         sums_size_(rounded_up(bins_, kBinsAside) * plane_size_),
         // Rows of blocks that have begun and are not finished.
         live_rows_((geometry.block_px + static_cast<int>(kRowsAtOnce)) / geometry.stride_px + 2),
-        votes_(kRowsAtOnce * bins_ * plane_size_, 0.0F),
         sums_(static_cast<std::size_t>(live_rows_) * weights_.size() * sums_size_, 0.0F),
         aside_(sums_size_ + kRowPadding, 0.0F),
-        histograms_(kBinsAside * static_cast<std::size_t>(blocks.columns)),
         blocks_(blocks) {
     std::transform(weights_.begin(), weights_.end(), weights_aside_.begin(), [](const auto& w) { return w.aside(); });
   }
@@ -82,8 +80,12 @@ class CellSums {
     const int height = pixels_.height_px - 2 * kHogMargin_px, step = kRowsAtOnce;
     int finished = 0;
     for (int v = 0; v < height; v += step) {
-      for (int r = 0; r < step && v + r < height; ++r) vote(v + r, r);
-      for (int row = finished; row < blocks_.rows && row * geometry_.stride_px < v + step; ++row) add(v, row);
+      cells_.clear();
+      for (int row = finished; row < blocks_.rows && row * geometry_.stride_px < v + step; ++row) note_cells(v, row);
+      std::array<const float*, kRowsAtOnce + 2> rows;
+      for (int r = 0; r < step + 2; ++r)  // rows below the last have no weight
+        rows[static_cast<std::size_t>(r)] = pixels_.row(std::min(v + r, pixels_.height_px - 1)) + kHogMargin_px;
+      kernels::add_votes(rows, width_, geometry_.bins, plane_size_, cells_);
       for (; finished < blocks_.rows && finished * geometry_.stride_px + geometry_.block_px <= v + step; ++finished)
         finish(finished);
     }
@@ -94,19 +96,14 @@ class CellSums {
     return sums_.data() + (static_cast<std::size_t>(row % live_rows_) * weights_.size() + cell) * sums_size_;
   }
 
-  void vote(int v, int r) {
-    kernels::vote_row({pixels_.row(v) + 1, pixels_.row(v + 1) + 1, pixels_.row(v + 2) + 1}, width_, geometry_.bins,
-                      plane_size_, votes_.data() + static_cast<std::size_t>(r) * bins_ * plane_size_);
-  }
-
-  /// The votes of the rows from v on to the cells of a row of blocks. Rows below the last have no weight.
-  void add(int v, int row) {
+  /// The cells of a row of blocks that the rows of pixels from v on add to.
+  void note_cells(int v, int row) {
     for (std::size_t cell = 0; cell < weights_.size(); ++cell) {
-      std::array<float, kRowsAtOnce> weights;
+      kernels::CellRow to{sums_of(row, cell), {}};
       for (int r = 0; r < static_cast<int>(kRowsAtOnce); ++r)
-        weights[static_cast<std::size_t>(r)] = weights_[cell].at(v + r - row * geometry_.stride_px);
-      if (std::any_of(weights.begin(), weights.end(), [](float weight) { return weight > 0.0F; }))
-        kernels::add_rows(votes_.data(), weights, bins_ * plane_size_, sums_of(row, cell));
+        to.weights[static_cast<std::size_t>(r)] = weights_[cell].at(v + r - row * geometry_.stride_px);
+      if (std::any_of(to.weights.begin(), to.weights.end(), [](float weight) { return weight > 0.0F; }))
+        cells_.push_back(to);
     }
   }
 
@@ -131,11 +128,9 @@ class CellSums {
     kernels::add_columns(
         aside_.data() + bin * plane_size_ + kBinsAside * static_cast<std::size_t>(weights_[cell_u].first),
         weights.data(), weights.size() / kBinsAside, static_cast<std::size_t>(geometry_.stride_px),
-        static_cast<std::size_t>(blocks_.columns), histograms_.data());
-    const float* histogram = histograms_.data();
-    for (int column = 0; column < blocks_.columns; ++column, histogram += kBinsAside)
-      std::copy_n(histogram, std::min(kBinsAside, bins_ - bin),
-                  blocks_.block(column, row) + (cell_u * weights_.size() + cell_v) * bins_ + bin);
+        static_cast<std::size_t>(blocks_.columns), std::min(kBinsAside, bins_ - bin),
+        static_cast<std::size_t>(blocks_.rows) * blocks_.block_size,
+        blocks_.block(0, row) + (cell_u * weights_.size() + cell_v) * bins_ + bin);
   }
 
   const FloatImage& pixels_;
@@ -144,10 +139,9 @@ class CellSums {
   std::vector<std::vector<float>> weights_aside_;
   std::size_t bins_, width_, plane_size_, sums_size_;
   int live_rows_;
-  std::vector<float> votes_;       ///< of `kRowsAtOnce` rows, a plane a bin
-  std::vector<float> sums_;        ///< of the rows of cells in the live rows of blocks, a plane a bin
-  std::vector<float> aside_;       ///< of one row of cells, four bins side by side
-  std::vector<float> histograms_;  ///< four bins of a cell of every column of blocks
+  std::vector<float> sums_;              ///< of the rows of cells in the live rows of blocks, a plane a bin
+  std::vector<float> aside_;             ///< of one row of cells, four bins side by side
+  std::vector<kernels::CellRow> cells_;  ///< that the rows of pixels at hand add to
   HogBlocks& blocks_;
 };
 

@@ -43,41 +43,64 @@ HWY_INLINE V half_turns(V x, V y) {
   return hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Sub(hn::Set(d, 1.0F), acute), acute);
 }
 
-HWY_ATTR void VoteRow(const float* above, const float* here, const float* below, std::size_t width, int bins,
-                      std::size_t plane_size, float* planes) {
+/// Of one row of pixels: which orientation each gradient is nearest below, and what it gives to that and to the next.
+struct Votes {
+  hn::Vec<D> bin, here, next;
+};
+
+HWY_INLINE Votes votes_of(const float* above, const float* here, const float* below, float bins) {
   const D d;
   const auto one = hn::Set(d, 1.0F), zero = hn::Zero(d);
+  const auto du = hn::Sub(hn::LoadU(d, here + 1), hn::LoadU(d, here - 1));
+  const auto dv = hn::Sub(hn::LoadU(d, below), hn::LoadU(d, above));
+  const auto magnitude = hn::Sqrt(hn::Add(hn::Mul(du, du), hn::Mul(dv, dv)));
+  // Opposite gradients count as one: a light coat before a dark wall is a dark coat before a light wall.
+  const auto x = hn::IfThenElse(hn::Lt(dv, zero), hn::Neg(du), du);
+  // In bins, from the centre of the first, on a ring of `bins`: -0.5 to `bins` - 0.5.
+  const auto place = hn::Sub(hn::Mul(half_turns(x, hn::Abs(dv)), hn::Set(d, bins)), hn::Set(d, 0.5F));
+  const auto bin = hn::Floor(place), distance = hn::Sub(place, bin), next = hn::Sub(place, hn::Add(bin, one));
+  // The last bin is the neighbour of the first.
+  return {hn::IfThenElse(hn::Lt(bin, zero), hn::Set(d, bins - 1.0F), bin), hn::Mul(magnitude, hn::Sub(one, distance)),
+          hn::Mul(magnitude, hn::Add(one, next))};
+}
+
+template <std::size_t kSums>
+HWY_ATTR void add_votes(const float* const* rows, std::size_t width, int bins, std::size_t plane_size,
+                        const CellRow* cells) {
+  const D d;
+  const auto last = static_cast<float>(bins - 1);
   for (std::size_t u = 0; u < width; u += kLanes) {
-    const auto du = hn::Sub(hn::LoadU(d, here + u + 1), hn::LoadU(d, here + u - 1));
-    const auto dv = hn::Sub(hn::LoadU(d, below + u), hn::LoadU(d, above + u));
-    const auto magnitude = hn::Sqrt(hn::Add(hn::Mul(du, du), hn::Mul(dv, dv)));
-    // Opposite gradients count as one: a light coat before a dark wall is a dark coat before a light wall.
-    const auto x = hn::IfThenElse(hn::Lt(dv, zero), hn::Neg(du), du);
-    // In bins, from the centre of the first, on a ring of `bins`: -0.5 to `bins` - 0.5.
-    auto place = hn::Sub(hn::Mul(half_turns(x, hn::Abs(dv)), hn::Set(d, static_cast<float>(bins))), hn::Set(d, 0.5F));
-    const auto share = [&](hn::Vec<D> distance)
-                           HWY_ATTR { return hn::Mul(magnitude, hn::Max(hn::Sub(one, hn::Abs(distance)), zero)); };
-    // The first and the last bin are neighbours: each reaches beyond its end of the ring.
-    const auto from_next_ring = share(hn::Sub(place, hn::Set(d, static_cast<float>(bins))));
-    const auto from_last_ring = share(hn::Add(place, one));
-    hn::StoreU(hn::Add(share(place), from_next_ring), d, planes + u);
-    float* out = planes + plane_size + u;
-    for (int bin = 1; bin < bins - 1; ++bin, out += plane_size) {
-      place = hn::Sub(place, one);
-      hn::StoreU(share(place), d, out);
+    Votes votes[kRowsAtOnce];
+    hn::Mask<D> is_last[kRowsAtOnce];
+    for (std::size_t r = 0; r < kRowsAtOnce; ++r) {
+      votes[r] = votes_of(rows[r] + u, rows[r + 1] + u, rows[r + 2] + u, last + 1.0F);
+      is_last[r] = hn::Eq(votes[r].bin, hn::Set(d, last));
     }
-    hn::StoreU(hn::Add(share(hn::Sub(place, one)), from_last_ring), d, out);
+    auto is_before = is_last;
+    std::size_t i = u;
+    for (float bin = 0.0F; bin <= last; bin += 1.0F, i += plane_size) {
+      hn::Vec<D> shares[kRowsAtOnce];
+      for (std::size_t r = 0; r < kRowsAtOnce; ++r) {
+        const auto is_here = hn::Eq(votes[r].bin, hn::Set(d, bin));
+        shares[r] = hn::IfThenElse(is_before[r], votes[r].next, hn::IfThenElseZero(is_here, votes[r].here));
+        is_before[r] = is_here;
+      }
+      for (std::size_t k = 0; k < kSums; ++k) {
+        auto sum = hn::LoadU(d, cells[k].sums + i);
+        for (std::size_t r = 0; r < kRowsAtOnce; ++r)
+          sum = hn::Add(sum, hn::Mul(shares[r], hn::Set(d, cells[k].weights[r])));
+        hn::StoreU(sum, d, cells[k].sums + i);
+      }
+    }
   }
 }
 
-HWY_ATTR void AddRows(const float* rows, const std::array<float, kRowsAtOnce>& weights, std::size_t size, float* sums) {
-  const D d;
-  for (std::size_t i = 0; i < size; i += kLanes) {
-    auto sum = hn::LoadU(d, sums + i);
-    for (std::size_t r = 0; r < kRowsAtOnce; ++r)
-      sum = hn::Add(sum, hn::Mul(hn::LoadU(d, rows + r * size + i), hn::Set(d, weights[r])));
-    hn::StoreU(sum, d, sums + i);
-  }
+HWY_ATTR void AddVotes(const float* const* rows, std::size_t width, int bins, std::size_t plane_size,
+                       const CellRow* cells, std::size_t count) {
+  constexpr std::size_t kAtOnce = 3;  // as many as a row of pixels feeds with the default geometry
+  for (; count >= kAtOnce; count -= kAtOnce, cells += kAtOnce) add_votes<kAtOnce>(rows, width, bins, plane_size, cells);
+  if (count == 2) add_votes<2>(rows, width, bins, plane_size, cells);
+  if (count == 1) add_votes<1>(rows, width, bins, plane_size, cells);
 }
 
 HWY_ATTR void Interleave(const float* planes, std::size_t plane_size, float* out) {
@@ -89,10 +112,10 @@ HWY_ATTR void Interleave(const float* planes, std::size_t plane_size, float* out
 }
 
 HWY_ATTR void AddColumns(const float* columns, const float* weights, std::size_t count, std::size_t stride,
-                         std::size_t cells, float* out) {
+                         std::size_t cells, std::size_t bins, std::size_t out_stride, float* out) {
   const D d;
   const D4 d4;
-  for (std::size_t c = 0; c < cells; ++c, columns += kBinsAside * stride, out += kBinsAside) {
+  for (std::size_t c = 0; c < cells; ++c, columns += kBinsAside * stride, out += out_stride) {
     // Every fourth column to one sum of four bins, so that all vectors add in one order.
     alignas(64) float sums[kRowPadding];
     for (std::size_t k = 0; k < kRowPadding; k += kLanes) {
@@ -101,10 +124,12 @@ HWY_ATTR void AddColumns(const float* columns, const float* weights, std::size_t
         total = hn::Add(total, hn::Mul(hn::LoadU(d, columns + i), hn::LoadU(d, weights + i)));
       hn::StoreU(total, d, sums + k);
     }
+    alignas(64) float totals[kBinsAside];
     for (std::size_t k = 0; k < kBinsAside; k += kLanes4) {
       const auto sum = [&](std::size_t i) HWY_ATTR { return hn::LoadU(d4, sums + kBinsAside * i + k); };
-      hn::StoreU(hn::Add(hn::Add(sum(0), sum(2)), hn::Add(sum(1), sum(3))), d4, out + k);
+      hn::StoreU(hn::Add(hn::Add(sum(0), sum(2)), hn::Add(sum(1), sum(3))), d4, totals + k);
     }
+    for (std::size_t k = 0; k < bins; ++k) out[k] = totals[k];
   }
 }
 
@@ -146,21 +171,16 @@ HWY_AFTER_NAMESPACE();
 namespace flies::kernels {
 
 HWY_EXPORT(SquareRoots);
-HWY_EXPORT(VoteRow);
-HWY_EXPORT(AddRows);
+HWY_EXPORT(AddVotes);
 HWY_EXPORT(Interleave);
 HWY_EXPORT(AddColumns);
 HWY_EXPORT(NormaliseBlock);
 
 void square_roots(float* values, std::size_t count) { HWY_DYNAMIC_DISPATCH(SquareRoots)(values, count); }
 
-void vote_row(const std::array<const float*, 3>& rows, std::size_t width, int bins, std::size_t plane_size,
-              float* planes) {
-  HWY_DYNAMIC_DISPATCH(VoteRow)(rows[0], rows[1], rows[2], width, bins, plane_size, planes);
-}
-
-void add_rows(const float* rows, const std::array<float, kRowsAtOnce>& weights, std::size_t size, float* sums) {
-  HWY_DYNAMIC_DISPATCH(AddRows)(rows, weights, size, sums);
+void add_votes(const std::array<const float*, kRowsAtOnce + 2>& rows, std::size_t width, int bins,
+               std::size_t plane_size, std::span<const CellRow> cells) {
+  HWY_DYNAMIC_DISPATCH(AddVotes)(rows.data(), width, bins, plane_size, cells.data(), cells.size());
 }
 
 void interleave(const float* planes, std::size_t plane_size, float* out) {
@@ -168,8 +188,8 @@ void interleave(const float* planes, std::size_t plane_size, float* out) {
 }
 
 void add_columns(const float* columns, const float* weights, std::size_t count, std::size_t stride, std::size_t cells,
-                 float* out) {
-  HWY_DYNAMIC_DISPATCH(AddColumns)(columns, weights, count, stride, cells, out);
+                 std::size_t bins, std::size_t out_stride, float* out) {
+  HWY_DYNAMIC_DISPATCH(AddColumns)(columns, weights, count, stride, cells, bins, out_stride, out);
 }
 
 void normalise_block(float* block, std::size_t size) { HWY_DYNAMIC_DISPATCH(NormaliseBlock)(block, size); }
