@@ -186,8 +186,8 @@ int support(const std::vector<Match>& matches, const RoadPlane& plane) {
   int result = 0;
   for (const auto& match : matches) {
     const double error_px = match.disparity_per_height * (match.z_m - plane.z_m(match.x_m, match.y_m));
-    result += static_cast<int>(std::abs(error_px) < kInlierDisparity_px) -
-              static_cast<int>(error_px <= -kInlierDisparity_px);
+    result +=
+        static_cast<int>(std::abs(error_px) < kInlierDisparity_px) - static_cast<int>(error_px <= -kInlierDisparity_px);
   }
   return result;
 }

@@ -154,6 +154,7 @@ using VSums = hn::Vec<DSums>;
 constexpr std::size_t kColumnLanes = hn::MaxLanes(D16());
 constexpr std::size_t kParts = 16 / kColumnLanes;
 struct Row {
+  HWY_INLINE Row() {}  // a constructor of the compiler's own would not be compiled for the instruction set
   V16 part[kParts];
 };
 

@@ -35,7 +35,8 @@ struct ColumnPair {
   std::int16_t column, next;
 };
 
-/// The neighbourhood of the left image. Of each row n l - (sum l), which centres the row that it is multiplied with, too.
+/// The neighbourhood of the left image. Of each row n l - (sum l), which centres the row that it is multiplied with,
+/// too.
 struct LeftRows {
   ColumnPair centred[kRows][kPairs];
   double variance = 0.0;
