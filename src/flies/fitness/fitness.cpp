@@ -21,7 +21,7 @@ constexpr std::size_t kFliesPerTask = 256;
 constexpr StereoPoint kNowhere = {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
 
 /// Places that go through the kernel together.
-constexpr std::size_t kPlacesAtOnce = 64;
+constexpr std::size_t kPlacesAtOnce = 256;
 
 /// Projections farther out than this are nowhere near an image and would overflow the conversion to int.
 constexpr float kMaxCoordinate_px = 1e6F;

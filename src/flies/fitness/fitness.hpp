@@ -104,7 +104,8 @@ std::vector<float> score_flies(const RectifiedPair& pair, const Projection& proj
 std::string_view kernel_target_name();
 
 /// Instruction sets that this CPU can score flies with, fastest first: "scalar", which is always there, and Highway's
-/// names of vector instruction sets, such as SSE4, AVX2, AVX3 (meaning AVX-512) and NEON.
+/// names of vector instruction sets, such as SSE4, AVX2, AVX3 (meaning AVX-512), AVX3_DL (AVX-512 with VNNI and VBMI2)
+/// and NEON.
 std::vector<std::string_view> kernel_target_names();
 
 }  // namespace flies

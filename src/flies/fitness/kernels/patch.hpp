@@ -9,6 +9,10 @@ constexpr int kScale = 16;       ///< sub-pixel steps, also the scale of the rig
 constexpr int kMaxColumns = 25;  ///< of a patch
 constexpr int kMaxRows = 33;     ///< of a patch
 
+/// The usual patches, the whole one of the paper and every third row of it, have code of their own: loops of known
+/// length.
+constexpr int kUsualColumns = 13, kUsualRows = 19, kUsualFewRows = 7;
+
 /// What all patches of a pair of images have in common.
 struct PatchImages {
   const std::uint8_t* left_end = nullptr;   ///< behind the last pixel of the left image
@@ -31,6 +35,8 @@ struct PatchPlace {
 /// neighbourhood: of n (sum l r) - (sum l) (sum r), and the same of l l and of r r. Exact.
 struct PatchMoments {
   std::int64_t lr = 0, ll = 0, rr = 0;
+
+  bool operator==(const PatchMoments&) const = default;
 };
 
 }  // namespace flies::kernels

@@ -1,8 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <iterator>
 
 #include "flies/fitness/kernels/kernel.hpp"
 #include "flies/fitness/kernels/mean_agreement.hpp"
@@ -42,13 +43,13 @@ void sum_squared_differences(const PatchImages& images, std::span<const PatchPla
 }
 
 float agreement(const MeanAgreement& of, std::int32_t difference) {
-  const auto d = static_cast<float>(difference);
-  const float k = static_cast<float>(std::lrint(std::min(d * of.step, MeanAgreement::kMaxExponent)));
-  const float f = std::max((k - d * of.step_high) - d * of.step_low, -0.5F);
+  const float y = std::min(static_cast<float>(difference) * of.step, MeanAgreement::kMaxExponent);
+  const float t = y + MeanAgreement::kRounder;
+  const float f = (t - MeanAgreement::kRounder) - y;
   float power = MeanAgreement::kPolynomial[0];
   for (std::size_t i = 1; i < std::size(MeanAgreement::kPolynomial); ++i)
     power = power * f + MeanAgreement::kPolynomial[i];
-  return power * std::bit_cast<float>((127 - static_cast<std::int32_t>(k)) << 23);
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(power) - (std::bit_cast<std::uint32_t>(t) << 23));
 }
 
 void sum_weighted_covariances(const PatchImages& images, std::span<const PatchPlace> places, float* sums) {

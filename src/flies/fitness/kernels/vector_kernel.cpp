@@ -15,6 +15,8 @@
 
 #include "flies/fitness/kernels/row_vectors-inl.hpp"
 // After the vectors it is made of.
+#include "flies/fitness/kernels/agreement-inl.hpp"
+#include "flies/fitness/kernels/four_patches-inl.hpp"
 #include "flies/fitness/kernels/patch_reader-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -153,37 +155,13 @@ struct MomentsKernel {
   }
 };
 
-/// D of Eq. (2), see mean_agreement.hpp.
-struct AgreementLanes {
-  VF step, step_high, step_low;
-
-  HWY_INLINE explicit AgreementLanes(int columns) {
-    const MeanAgreement of(columns);
-    step = hn::Set(DF(), of.step);
-    step_high = hn::Set(DF(), of.step_high);
-    step_low = hn::Set(DF(), of.step_low);
-  }
-  HWY_INLINE VF operator()(V32 difference) const {
-    const DF df;
-    const D32 d;
-    const VF y = hn::ConvertTo(df, difference);
-    const V32 exponent = hn::NearestInt(hn::Min(hn::Mul(y, step), hn::Set(df, MeanAgreement::kMaxExponent)));
-    const VF k = hn::ConvertTo(df, exponent);
-    const VF f = hn::Max(hn::Sub(hn::Sub(k, hn::Mul(y, step_high)), hn::Mul(y, step_low)), hn::Set(df, -0.5F));
-    VF power = hn::Set(df, MeanAgreement::kPolynomial[0]);
-    for (std::size_t i = 1; i < std::size(MeanAgreement::kPolynomial); ++i)
-      power = hn::Add(hn::Mul(power, f), hn::Set(df, MeanAgreement::kPolynomial[i]));
-    return hn::Mul(power, hn::BitCast(df, hn::ShiftLeft<23>(hn::Sub(hn::Set(d, 127), exponent))));
-  }
-};
-
 template <int kChunks>
 struct WeightedCovarianceKernel {
   using Result = float;
   static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D32()));
   RowBuffer<kChunks> buffer;
   alignas(32) std::int32_t lr_lanes[kRowCapacity][kLanes] = {};
-  AgreementLanes agreement;
+  Agreement<DF> agreement;
 
   HWY_INLINE WeightedCovarianceKernel(int, int columns) : agreement(columns) {}
   HWY_INLINE float operator()(const Patch<kChunks>& patch, int rows, int columns) {
@@ -298,10 +276,6 @@ HWY_INLINE void evaluate(const PatchImages& images, int rows, int columns, std::
   }
 }
 
-/// The usual patches, the whole one of the paper and every third row of it, have code of their own: loops of known
-/// length.
-constexpr int kUsualColumns = 13, kUsualRows = 19, kUsualFewRows = 7;
-
 template <template <int> class Kernel>
 void evaluate_all(const PatchImages& images, std::span<const PatchPlace> places, typename Kernel<1>::Result* results) {
   if (images.columns == kUsualColumns && images.rows == kUsualRows)
@@ -319,6 +293,17 @@ const Kernel& kernel() {
                                 evaluate_all<WeightedCovarianceKernel>, evaluate_all<MomentsKernel>};
   return kernel;
 }
+
+#if HWY_TARGET == HWY_AVX3
+
+const Kernel& four_patches_kernel() {
+  static const Kernel kernel = {"AVX3_DL", evaluate_all<SquaredDifferencesKernel>,
+                                evaluate_fours<FourWeightedCovariances, evaluate_all<WeightedCovarianceKernel> >,
+                                evaluate_fours<FourMoments, evaluate_all<MomentsKernel> >};
+  return kernel;
+}
+
+#endif  // HWY_TARGET == HWY_AVX3
 
 #endif  // HWY_TARGET == HWY_SCALAR
 }  // namespace flies::kernels::HWY_NAMESPACE
@@ -345,6 +330,11 @@ Kernel kernel_for([[maybe_unused]] std::int64_t target) {
 
 std::vector<Kernel> vector_kernels() {
   std::vector<Kernel> kernels;
+#if HWY_TARGETS & HWY_AVX3
+  if ((hwy::SupportedTargets() & HWY_AVX3) != 0 && __builtin_cpu_supports("avx512vnni") != 0 &&
+      __builtin_cpu_supports("avx512vbmi2") != 0)
+    kernels.push_back(N_AVX3::four_patches_kernel());
+#endif
   // Highway lists the better ones first.
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets())
     if (target != HWY_SCALAR) kernels.push_back(kernel_for(target));
