@@ -43,31 +43,30 @@ double middle_height_m(std::span<const Roi> rois) {
 
 /// The first look, most of the time of a frame: at the middle height of an obstacle, and where that is hopeless at no
 /// other. A person a fifth taller or smaller than a box still looks a little like one.
-std::vector<double> screen(const GrayView& left, std::span<const Roi> rois, const PeopleClassifier& classifier,
+std::vector<double> screen(PeopleLooks& looks, std::span<const Roi> rois, bool looks_twice,
                            const ClassifyOptions& options) {
-  if (rois.empty() || !classifier.looks_twice()) return classifier.screen(left, windows_of(rois));
   std::vector<double> probabilities(rois.size(), 0.0);
-  std::map<std::size_t, double> middle;  // of every obstacle the surest
-  const auto look = [&](const auto& is_looked_at) {
+  const auto screen_those = [&](const auto& is_looked_at) {
     std::vector<std::size_t> some;
-    std::vector<ImageBox> windows;
-    for (std::size_t i = 0; i < rois.size(); ++i) {
-      if (!is_looked_at(rois[i])) continue;
-      some.push_back(i);
-      windows.push_back(rois[i].window);
-    }
-    const auto of_some = classifier.screen(left, windows);
+    for (std::size_t i = 0; i < rois.size(); ++i)
+      if (is_looked_at(rois[i])) some.push_back(i);
+    const auto of_some = looks.screen(some);
     for (std::size_t k = 0; k < some.size(); ++k) probabilities[some[k]] = of_some[k];
     return some;
   };
-  const double middle_m = middle_height_m(rois);
-  for (const std::size_t i : look([&](const Roi& roi) { return roi.height_m == middle_m; })) {
-    double& surest = middle.try_emplace(rois[i].obstacle, 0.0).first->second;
-    surest = std::max(surest, probabilities[i]);
+  if (rois.empty() || !looks_twice) {
+    screen_those([](const Roi&) { return true; });
+    return probabilities;
   }
-  look([&](const Roi& roi) {
-    const auto found = middle.find(roi.obstacle);  // none where its windows were like those of another obstacle
-    return roi.height_m != middle_m && (found == middle.end() || found->second >= options.min_middle_probability);
+  const double middle_m = middle_height_m(rois);
+  std::map<std::size_t, double> surest;  // of an obstacle's boxes of the middle height
+  for (const std::size_t i : screen_those([&](const Roi& roi) { return roi.height_m == middle_m; })) {
+    double& of_obstacle = surest.try_emplace(rois[i].obstacle, 0.0).first->second;
+    of_obstacle = std::max(of_obstacle, probabilities[i]);
+  }
+  screen_those([&](const Roi& roi) {
+    const auto found = surest.find(roi.obstacle);  // none where its windows were like those of another obstacle
+    return roi.height_m != middle_m && (found == surest.end() || found->second >= options.min_middle_probability);
   });
   return probabilities;
 }
@@ -125,15 +124,17 @@ std::vector<std::size_t> suppress_in_metres(std::span<const Roi> rois, std::span
 ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, const PeopleClassifier& classifier,
                            const ClassifyOptions& options) {
   ClassifyResult result;
-  result.screened = screen(left, rois, classifier, options);
+  const auto windows = windows_of(rois);
+  const auto looks = classifier.look_at(left, windows);
+  result.screened = screen(*looks, rois, classifier.looks_twice(), options);
   const double threshold = report_threshold(classifier, options);
   const double first_threshold =
       classifier.looks_twice() ? std::max(classifier.screen_threshold(), options.min_first_probability) : threshold;
 
+  const auto chosen = suppress_in_metres(rois, result.screened, first_threshold, options);
   std::vector<Roi> candidates;
-  for (const std::size_t i : suppress_in_metres(rois, result.screened, first_threshold, options))
-    candidates.push_back(rois[i]);
-  const auto probabilities = classifier.classify(left, windows_of(candidates));
+  for (const std::size_t i : chosen) candidates.push_back(rois[i]);
+  const auto probabilities = looks->classify(chosen);
   for (const std::size_t i : suppress_in_metres(candidates, probabilities, threshold, options)) {
     const Roi roi = averaged(candidates[i], rois, result.screened, options);
     result.pedestrians.push_back(

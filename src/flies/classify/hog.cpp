@@ -76,7 +76,8 @@ void window_features(const GrayView& image, const ImageBox& window, const HogGeo
                      std::span<float> features) {
   assert(is_worth_a_look(window, image));
   const auto set = window_sets({&window, 1}, image, geometry);
-  copy_features(blocks_of(set.front(), image, geometry), set.front(), 0, geometry, features);
+  assert(features.size() == feature_count(geometry));
+  features_of(blocks_of(set.front(), image, geometry), set.front(), 0, geometry).copy_to(features.data());
 }
 
 }  // namespace flies

@@ -3,15 +3,111 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "flies/classify/kernel_machine.hpp"
+#include "flies/classify/svm_scores.hpp"
 #include "flies/classify/window_sets.hpp"
 #include "flies/core/error.hpp"
 
 namespace flies {
 namespace {
+
+std::vector<ImageBox> chosen(std::span<const ImageBox> windows, std::span<const std::size_t> some) {
+  std::vector<ImageBox> result;
+  for (const std::size_t i : some) result.push_back(windows[i]);
+  return result;
+}
+
+/// For classifiers that keep nothing from one look to the next.
+class SeparateLooks final : public PeopleLooks {
+ public:
+  SeparateLooks(const PeopleClassifier& classifier, const GrayView& image, std::span<const ImageBox> windows)
+      : classifier_(classifier), image_(image), windows_(windows) {}
+
+  std::vector<double> screen(std::span<const std::size_t> some) override {
+    return classifier_.screen(image_, chosen(windows_, some));
+  }
+  std::vector<double> classify(std::span<const std::size_t> some) override {
+    return classifier_.classify(image_, chosen(windows_, some));
+  }
+
+ private:
+  const PeopleClassifier& classifier_;
+  GrayView image_;
+  std::span<const ImageBox> windows_;
+};
+
+/// Keeps the blocks of all sets of windows that it has looked at: some 100 kB for an obstacle.
+class HogLooks final : public PeopleLooks {
+ public:
+  HogLooks(const PeopleModel& model, const std::optional<KernelMachine>& kernel, const GrayView& image,
+           std::span<const ImageBox> windows)
+      : model_(model), kernel_(kernel), image_(image), windows_(windows), seen_(windows.size()) {}
+
+  std::vector<double> screen(std::span<const std::size_t> some) override {
+    look(some);
+    std::vector<double> probabilities;
+    for (const std::size_t i : some)
+      probabilities.push_back(seen_[i].is_anything ? probability(model_.linear.calibration, seen_[i].linear) : 0.0);
+    return probabilities;
+  }
+
+  std::vector<double> classify(std::span<const std::size_t> some) override {
+    look(some);
+    std::vector<double> probabilities;
+    std::vector<std::size_t> asked;  // the second stage, about all that the first lets pass together
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      const Seen& seen = seen_[some[k]];
+      probabilities.push_back(seen.is_anything ? person_probability(model_, seen.linear, 0.0) : 0.0);
+      if (kernel_ && seen.is_anything && seen.linear >= model_.linear.reject_below) asked.push_back(k);
+    }
+    if (asked.empty()) return probabilities;
+    const std::size_t length = feature_count(model_.hog);
+    std::vector<float> features(asked.size() * length);
+    for (std::size_t a = 0; a < asked.size(); ++a) seen_[some[asked[a]]].features.copy_to(features.data() + a * length);
+    const auto scores = kernel_->scores(features);
+    for (std::size_t a = 0; a < asked.size(); ++a)
+      probabilities[asked[a]] = person_probability(model_, seen_[some[asked[a]]].linear, scores[a]);
+    return probabilities;
+  }
+
+ private:
+  struct Seen {
+    bool is_looked_at = false, is_anything = false;
+    double linear = 0.0;
+    FeaturePieces features;
+  };
+
+  /// The first stage, where it has not looked yet.
+  void look(std::span<const std::size_t> some) {
+    std::vector<std::size_t> fresh;
+    for (const std::size_t i : some)
+      if (!std::exchange(seen_[i].is_looked_at, true)) fresh.push_back(i);
+    const auto sets = window_sets(chosen(windows_, fresh), image_, model_.hog);
+    const std::size_t before = blocks_.size();
+    blocks_.resize(before + sets.size());
+    tbb::parallel_for(std::size_t{0}, sets.size(), [&](std::size_t s) {
+      HogBlocks& blocks = blocks_[before + s];
+      blocks = blocks_of(sets[s], image_, model_.hog);
+      for (std::size_t k = 0; k < sets[s].windows.size(); ++k) {
+        Seen& seen = seen_[fresh[sets[s].windows[k]]];
+        seen.is_anything = true;
+        seen.features = features_of(blocks, sets[s], k, model_.hog);
+        seen.linear = linear_score(model_.linear, seen.features);
+      }
+    });
+  }
+
+  const PeopleModel& model_;
+  const std::optional<KernelMachine>& kernel_;
+  GrayView image_;
+  std::span<const ImageBox> windows_;
+  std::vector<Seen> seen_;
+  std::vector<HogBlocks> blocks_;
+};
 
 class HogClassifier final : public PeopleClassifier {
  public:
@@ -24,21 +120,13 @@ class HogClassifier final : public PeopleClassifier {
   double threshold() const override { return model_.threshold; }
 
   std::vector<double> classify(const GrayView& image, std::span<const ImageBox> windows) const override {
-    std::vector<double> probabilities;
-    // So many windows at a time that their features take little memory.
-    for (std::size_t first = 0; first < windows.size(); first += kWindowsAtOnce) {
-      const auto some = judge(image, windows.subspan(first, std::min(kWindowsAtOnce, windows.size() - first)));
-      probabilities.insert(probabilities.end(), some.begin(), some.end());
-    }
-    return probabilities;
+    return in_parts(image, windows,
+                    [](PeopleLooks& looks, std::span<const std::size_t> all) { return looks.classify(all); });
   }
 
   std::vector<double> screen(const GrayView& image, std::span<const ImageBox> windows) const override {
-    std::vector<double> probabilities(windows.size(), 0.0);
-    over_windows(image, windows, [&](std::size_t i, std::span<const float> features) {
-      probabilities[i] = probability(model_.linear.calibration, linear_score(model_.linear, features));
-    });
-    return probabilities;
+    return in_parts(image, windows,
+                    [](PeopleLooks& looks, std::span<const std::size_t> all) { return looks.screen(all); });
   }
 
   bool looks_twice() const override { return model_.kernel.has_value(); }
@@ -47,49 +135,25 @@ class HogClassifier final : public PeopleClassifier {
     return model_.kernel ? probability(model_.linear.calibration, model_.linear.reject_below) : threshold();
   }
 
- private:
-  static constexpr std::size_t kWindowsAtOnce = 256;
-
-  /// The verdicts of both stages; the second sees all that the first lets pass together.
-  std::vector<double> judge(const GrayView& image, std::span<const ImageBox> windows) const {
-    const std::size_t length = feature_count(model_.hog);
-    std::vector<float> all_features(windows.size() * length);
-    std::vector<double> probabilities(windows.size(), 0.0), linear(windows.size());
-    std::vector<char> is_asked(windows.size(), 0);
-    over_windows(image, windows, [&](std::size_t i, std::span<const float> features) {
-      linear[i] = linear_score(model_.linear, features);
-      is_asked[i] = kernel_ && linear[i] >= model_.linear.reject_below;
-      if (is_asked[i])
-        std::copy(features.begin(), features.end(), all_features.begin() + static_cast<std::ptrdiff_t>(i * length));
-      else
-        probabilities[i] = person_probability(model_, linear[i], 0.0);
-    });
-    if (!kernel_) return probabilities;
-    std::vector<std::size_t> asked;
-    for (std::size_t i = 0; i < windows.size(); ++i) {
-      if (!is_asked[i]) continue;
-      std::copy_n(all_features.begin() + static_cast<std::ptrdiff_t>(i * length), length,
-                  all_features.begin() + static_cast<std::ptrdiff_t>(asked.size() * length));
-      asked.push_back(i);
-    }
-    const auto scores = kernel_->scores({all_features.data(), asked.size() * length});
-    for (std::size_t k = 0; k < asked.size(); ++k)
-      probabilities[asked[k]] = person_probability(model_, linear[asked[k]], scores[k]);
-    return probabilities;
+  std::unique_ptr<PeopleLooks> look_at(const GrayView& image, std::span<const ImageBox> windows) const override {
+    return std::make_unique<HogLooks>(model_, kernel_, image, windows);
   }
 
-  /// Calls `look(i, features)` for every window that is worth it.
-  template <class Look>
-  void over_windows(const GrayView& image, std::span<const ImageBox> windows, const Look& look) const {
-    const auto sets = window_sets(windows, image, model_.hog);
-    tbb::parallel_for(std::size_t{0}, sets.size(), [&](std::size_t s) {
-      const HogBlocks blocks = blocks_of(sets[s], image, model_.hog);
-      std::vector<float> features(feature_count(model_.hog));
-      for (std::size_t i = 0; i < sets[s].windows.size(); ++i) {
-        copy_features(blocks, sets[s], i, model_.hog, features);
-        look(sets[s].windows[i], features);
-      }
-    });
+ private:
+  /// So many windows at a time that their features take little memory.
+  template <class Ask>
+  std::vector<double> in_parts(const GrayView& image, std::span<const ImageBox> windows, const Ask& ask) const {
+    constexpr std::size_t kWindowsAtOnce = 256;
+    std::vector<double> probabilities;
+    for (std::size_t first = 0; first < windows.size(); first += kWindowsAtOnce) {
+      const auto part = windows.subspan(first, std::min(kWindowsAtOnce, windows.size() - first));
+      std::vector<std::size_t> all(part.size());
+      std::iota(all.begin(), all.end(), std::size_t{0});
+      HogLooks looks(model_, kernel_, image, part);
+      const auto of_part = ask(looks, all);
+      probabilities.insert(probabilities.end(), of_part.begin(), of_part.end());
+    }
+    return probabilities;
   }
 
   PeopleModel model_;
@@ -97,6 +161,10 @@ class HogClassifier final : public PeopleClassifier {
 };
 
 }  // namespace
+
+std::unique_ptr<PeopleLooks> PeopleClassifier::look_at(const GrayView& image, std::span<const ImageBox> windows) const {
+  return std::make_unique<SeparateLooks>(*this, image, windows);
+}
 
 std::shared_ptr<const PeopleClassifier> hog_classifier(PeopleModel model) {
   return std::make_shared<HogClassifier>(std::move(model));

@@ -12,6 +12,20 @@
 
 namespace flies {
 
+/// Looks at windows of one image, at all or some of them, then closer at a few. What one look finds out serves the
+/// next.
+class PeopleLooks {
+ public:
+  virtual ~PeopleLooks() = default;
+  PeopleLooks() = default;
+  PeopleLooks(const PeopleLooks&) = delete;
+  PeopleLooks& operator=(const PeopleLooks&) = delete;
+
+  /// As `PeopleClassifier::screen` and `classify`, for the windows with these numbers, each of which once.
+  virtual std::vector<double> screen(std::span<const std::size_t> some) = 0;
+  virtual std::vector<double> classify(std::span<const std::size_t> some) = 0;
+};
+
 /// Says how probable it is that a window shows a person. Calls may run side by side; they run on oneTBB's current
 /// arena, and results do not depend on the number of threads.
 class PeopleClassifier {
@@ -40,6 +54,10 @@ class PeopleClassifier {
 
   /// Whether `classify` sees more than `screen` does.
   virtual bool looks_twice() const { return false; }
+
+  /// The same in turns, on one image. Probabilities differ by rounding from those of other ways to ask.
+  /// @param image, windows outlive what is returned, as does the classifier
+  virtual std::unique_ptr<PeopleLooks> look_at(const GrayView& image, std::span<const ImageBox> windows) const;
 };
 
 /// @throws InputError when the model is inconsistent

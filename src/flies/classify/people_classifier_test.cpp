@@ -117,6 +117,26 @@ TEST(HogClassifier, GivesWindowsThatShareBlocksTheProbabilityTheyHaveAlone) {
     EXPECT_NEAR(together[i], classifier->classify(view_of(image), std::vector{raster[i]}).front(), kSharingTolerance);
 }
 
+TEST(HogClassifier, LooksInTurnsAsAtOnce) {
+  const cv::Mat image = noise_image(200, 220);
+  const auto classifier = hog_classifier(two_stages(std::vector<float>(1980, 0.05F), -1e6));
+  std::vector<ImageBox> boxes = kBoxes;
+  boxes.push_back(window(0, 0, 0, 0));
+  const auto screened = classifier->screen(view_of(image), boxes),
+             classified = classifier->classify(view_of(image), boxes);
+  const auto looks = classifier->look_at(view_of(image), boxes);
+  const auto expect = [](const std::vector<double>& found, const std::vector<double>& of_all,
+                         std::span<const std::size_t> some) {
+    ASSERT_EQ(found.size(), some.size());
+    for (std::size_t k = 0; k < some.size(); ++k) EXPECT_NEAR(found[k], of_all[some[k]], kSharingTolerance) << k;
+  };
+  const std::vector<std::size_t> first{3, 0}, second{1, 2, 5}, last{4, 3, 5, 1};  // of the last one was not screened
+  expect(looks->screen(first), screened, first);
+  expect(looks->screen(second), screened, second);
+  expect(looks->classify(last), classified, last);
+  EXPECT_TRUE(looks->classify({}).empty());
+}
+
 TEST(HogClassifier, GivesWindowsWithNothingInThemNoChance) {
   const cv::Mat image = noise_image(120, 150);
   const double nan = std::numeric_limits<double>::quiet_NaN();

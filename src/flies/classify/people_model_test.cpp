@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "flies/classify/svm_scores.hpp"
 #include "flies/core/error.hpp"
 
 namespace flies {
@@ -31,6 +32,23 @@ TEST(PeopleModel, UnknownNameListsTheKnownOnes) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("opencv-32x64"), HasSubstr("opencv-48x96"), HasSubstr("opencv-64x128")));
   }
+}
+
+TEST(LinearScore, IsTheSameNumberForFeaturesInPieces) {
+  constexpr std::size_t kGap = 7;
+  for (const std::size_t size : {1U, 16U, 36U, 396U, 397U})
+    for (const std::size_t count : {1U, 2U, 5U}) {
+      LinearStage stage;
+      std::vector<float> joined, apart;
+      for (std::size_t i = 0; i < size * count; ++i) {
+        stage.weights.push_back(1.0F / static_cast<float>(i + 3));
+        joined.push_back(static_cast<float>(i % 13) * 0.1F);
+        apart.push_back(joined.back());
+        if ((i + 1) % size == 0) apart.insert(apart.end(), kGap, 1e6F);
+      }
+      EXPECT_EQ(linear_score(stage, FeaturePieces{apart.data(), size, size + kGap, count}), linear_score(stage, joined))
+          << size << " x " << count;
+    }
 }
 
 TEST(KernelScore, IsTheFormula) {

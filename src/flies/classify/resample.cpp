@@ -18,19 +18,18 @@ Taps taps_of(double start_px, double length_px, int outputs, int size_px) {
   const double scale = length_px / outputs;
   const bool shrinks = scale > 1.0;
   const int count = shrinks ? static_cast<int>(std::ceil(scale)) + 1 : 2;
-  Taps taps{static_cast<std::size_t>(count), {}, {}};
-  taps.source.reserve(static_cast<std::size_t>(outputs * count));
-  taps.weights.reserve(static_cast<std::size_t>(outputs * count));
-  const auto last = static_cast<double>(size_px - 1);
-  for (int i = 0; i < outputs; ++i) {
-    const double from_px = start_px + i * scale, centre_px = from_px + 0.5 * scale - 0.5;
-    const double first = std::floor(shrinks ? from_px : centre_px);
+  const auto size = static_cast<std::size_t>(outputs * count);
+  Taps taps{static_cast<std::size_t>(count), std::vector<int>(size), std::vector<float>(size)};
+  int* sources = taps.source.data();
+  float* weights = taps.weights.data();
+  for (int i = 0; i < outputs; ++i, sources += count, weights += count) {
+    const double from_px = start_px + i * scale, to_px = from_px + scale, centre_px = from_px + 0.5 * scale - 0.5;
+    const auto first = static_cast<int>(std::floor(shrinks ? from_px : centre_px));
     for (int t = 0; t < count; ++t) {
       const double source = first + t;
-      const double covered = std::min(source + 1.0, from_px + scale) - std::max(source, from_px);
-      taps.source.push_back(static_cast<int>(std::clamp(source, 0.0, last)));
-      taps.weights.push_back(
-          static_cast<float>(shrinks ? std::max(covered, 0.0) / scale : 1.0 - std::abs(centre_px - source)));
+      const double covered = std::min(source + 1.0, to_px) - std::max(source, from_px);
+      sources[t] = std::clamp(first + t, 0, size_px - 1);
+      weights[t] = static_cast<float>(shrinks ? std::max(covered, 0.0) / scale : 1.0 - std::abs(centre_px - source));
     }
   }
   return taps;

@@ -1,3 +1,5 @@
+#include "flies/classify/svm_scores.hpp"
+
 #include <cassert>
 #include <cmath>
 #include <span>
@@ -13,6 +15,11 @@ namespace flies {
 FLIES_VECTOR_CLONES double linear_score(const LinearStage& stage, std::span<const float> features) {
   assert(features.size() == stage.weights.size());
   return stage.bias + dot(stage.weights.data(), features.data(), features.size());
+}
+
+FLIES_VECTOR_CLONES double linear_score(const LinearStage& stage, const FeaturePieces& pieces) {
+  assert(pieces.size * pieces.count == stage.weights.size());
+  return stage.bias + dot_of_pieces(stage.weights.data(), pieces.first, pieces.size, pieces.stride, pieces.count);
 }
 
 FLIES_VECTOR_CLONES double kernel_score(const KernelStage& stage, std::span<const float> features) {

@@ -88,14 +88,16 @@ HogBlocks blocks_of(const WindowSet& set, const GrayView& image, const HogGeomet
                     geometry);
 }
 
-void copy_features(const HogBlocks& blocks, const WindowSet& set, std::size_t i, const HogGeometry& geometry,
-                   std::span<float> features) {
-  assert(features.size() == feature_count(geometry));
-  const std::size_t run =
-      static_cast<std::size_t>(blocks_along(geometry.window_height_px, geometry)) * blocks.block_size;
-  float* out = features.data();
-  for (int column = 0; column < blocks_along(geometry.window_width_px, geometry); ++column, out += run)
-    std::copy_n(blocks.block(set.column[i] + column, set.row[i]), run, out);
+void FeaturePieces::copy_to(float* features) const {
+  for (std::size_t piece = 0; piece < count; ++piece, features += size)
+    std::copy_n(first + piece * stride, size, features);
+}
+
+FeaturePieces features_of(const HogBlocks& blocks, const WindowSet& set, std::size_t i, const HogGeometry& geometry) {
+  return {blocks.block(set.column[i], set.row[i]),
+          static_cast<std::size_t>(blocks_along(geometry.window_height_px, geometry)) * blocks.block_size,
+          static_cast<std::size_t>(blocks.rows) * blocks.block_size,
+          static_cast<std::size_t>(blocks_along(geometry.window_width_px, geometry))};
 }
 
 }  // namespace flies

@@ -24,8 +24,15 @@ std::vector<WindowSet> window_sets(std::span<const ImageBox> windows, const Gray
 /// The blocks of the region.
 HogBlocks blocks_of(const WindowSet& set, const GrayView& image, const HogGeometry& geometry);
 
-/// Copies the features of the i-th window of the set out of the blocks.
-void copy_features(const HogBlocks& blocks, const WindowSet& set, std::size_t i, const HogGeometry& geometry,
-                   std::span<float> features);
+/// The features of a window where they lie among the blocks: a piece for every column of blocks.
+struct FeaturePieces {
+  const float* first = nullptr;
+  std::size_t size = 0, stride = 0, count = 0;
+
+  void copy_to(float* features) const;
+};
+
+/// Those of the i-th window of the set.
+FeaturePieces features_of(const HogBlocks& blocks, const WindowSet& set, std::size_t i, const HogGeometry& geometry);
 
 }  // namespace flies
