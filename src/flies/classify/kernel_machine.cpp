@@ -22,10 +22,11 @@ void multiply(const kernels::Panels& panels, const std::vector<float>& points, c
   const std::size_t columns = panels.columns(), count = points.size() / columns;
   tbb::parallel_for(std::size_t{0}, panels.count(), [&](std::size_t panel) {
     for (std::size_t first = 0; first < count; first += kPanelPoints) {
+      const std::size_t at_once = std::min(kPanelPoints, count - first);
       std::array<const float*, kPanelPoints> some{};
-      for (std::size_t p = 0; p < kPanelPoints; ++p) some[p] = points.data() + std::min(first + p, count - 1) * columns;
-      auto products = kernels::multiply_panel(panels.panel(panel), columns, some);
-      for (std::size_t p = 0; p < kPanelPoints && first + p < count; ++p) use(panel, first + p, products[p]);
+      for (std::size_t p = 0; p < at_once; ++p) some[p] = points.data() + (first + p) * columns;
+      auto products = kernels::multiply_panel(panels.panel(panel), columns, some, at_once);
+      for (std::size_t p = 0; p < at_once; ++p) use(panel, first + p, products[p]);
     }
   });
 }
@@ -52,7 +53,8 @@ std::vector<double> KernelMachine::scores(std::span<const float> features) const
   assert(features.size() % mean_.size() == 0);
   const std::size_t windows = features.size() / mean_.size();
   std::vector<float> points(features.begin(), features.end());
-  for (std::size_t i = 0; i < points.size(); ++i) points[i] -= mean_[i % mean_.size()];
+  for (std::size_t w = 0; w < windows; ++w)
+    for (std::size_t i = 0; i < mean_.size(); ++i) points[w * mean_.size() + i] -= mean_[i];
   if (const std::size_t dimensions = projection_.rows(); dimensions > 0) {
     std::vector<float> projected(windows * dimensions);
     multiply(projection_, points, [&](std::size_t panel, std::size_t window, const auto& products) {
@@ -76,9 +78,11 @@ std::vector<double> KernelMachine::scores(std::span<const float> features) const
     for (std::size_t r = 0; r < kPanelRows; ++r)  // |p - s|^2, which rounding could make negative
       products[r] = exponent * std::max(0.0F, squares[window] + rows[r] - 2.0F * products[r]);
     kernels::exp2_of_negative(products);
-    double sum = 0.0;
-    for (std::size_t r = 0; r < kPanelRows; ++r) sum += coefficients[r] * products[r];
-    sums[window * panels + panel] = sum;
+    std::array<double, 4> parts{};  // side by side, for an addition waits for the one before
+    for (std::size_t r = 0; r < kPanelRows; r += parts.size())
+      for (std::size_t part = 0; part < parts.size(); ++part)
+        parts[part] += coefficients[r + part] * products[r + part];
+    sums[window * panels + panel] = (parts[0] + parts[2]) + (parts[1] + parts[3]);
   });
   std::vector<double> scores(windows, bias_);
   for (std::size_t w = 0; w < windows; ++w)

@@ -13,33 +13,51 @@ namespace flies::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using D = hn::CappedTag<float, kPanelRows>;
-constexpr std::size_t kLanes = HWY_LANES(float) < kPanelRows ? HWY_LANES(float) : kPanelRows;
+constexpr std::size_t kLanes = hn::MaxLanes(D());
 
-/// Four points with as many rows as leave all sums in registers.
-template <std::size_t kVectors>
+/// As many rows as leave all sums in registers, and enough of them to hide how long an addition takes.
+constexpr std::size_t kVectors = 2;
+
+template <std::size_t kPoints>
 HWY_ATTR void multiply_rows(const float* panel, std::size_t columns,
                             const std::array<const float*, kPanelPoints>& points, std::size_t first,
                             PanelProducts& products) {
   const D d;
-  hn::Vec<D> sums[kPanelPoints][kVectors];
+  hn::Vec<D> sums[kPoints][kVectors];
   for (auto& of_point : sums)
     for (auto& sum : of_point) sum = hn::Zero(d);
   for (std::size_t i = 0; i < columns; ++i, panel += kPanelRows) {
-    for (std::size_t v = 0; v < kVectors; ++v) {
-      const auto row = hn::LoadU(d, panel + first + v * kLanes);
-      for (std::size_t p = 0; p < kPanelPoints; ++p)
-        sums[p][v] = hn::Add(sums[p][v], hn::Mul(row, hn::Set(d, points[p][i])));
+    hn::Vec<D> rows[kVectors];
+    for (std::size_t v = 0; v < kVectors; ++v) rows[v] = hn::LoadU(d, panel + first + v * kLanes);
+    for (std::size_t p = 0; p < kPoints; ++p) {
+      const auto value = hn::Set(d, points[p][i]);
+      for (std::size_t v = 0; v < kVectors; ++v) sums[p][v] = hn::Add(sums[p][v], hn::Mul(rows[v], value));
     }
   }
-  for (std::size_t p = 0; p < kPanelPoints; ++p)
+  for (std::size_t p = 0; p < kPoints; ++p)
     for (std::size_t v = 0; v < kVectors; ++v) hn::StoreU(sums[p][v], d, products[p].data() + first + v * kLanes);
 }
 
-HWY_ATTR void MultiplyPanel(const float* panel, std::size_t columns,
-                            const std::array<const float*, kPanelPoints>& points, PanelProducts& products) {
-  constexpr std::size_t kVectors = kPanelRows / kLanes < 2 ? 1 : 2;
+template <std::size_t kPoints>
+HWY_ATTR void multiply_panel(const float* panel, std::size_t columns,
+                             const std::array<const float*, kPanelPoints>& points, PanelProducts& products) {
   for (std::size_t first = 0; first < kPanelRows; first += kVectors * kLanes)
-    multiply_rows<kVectors>(panel, columns, points, first, products);
+    multiply_rows<kPoints>(panel, columns, points, first, products);
+}
+
+HWY_ATTR void MultiplyPanel(const float* panel, std::size_t columns,
+                            const std::array<const float*, kPanelPoints>& points, std::size_t count,
+                            PanelProducts& products) {
+  switch (count) {
+    case 1:
+      return multiply_panel<1>(panel, columns, points, products);
+    case 2:
+      return multiply_panel<2>(panel, columns, points, products);
+    case 3:
+      return multiply_panel<3>(panel, columns, points, products);
+    default:
+      return multiply_panel<kPanelPoints>(panel, columns, points, products);
+  }
 }
 
 HWY_ATTR void Exp2OfNegative(float* x) {
@@ -83,9 +101,9 @@ Panels::Panels(const Matrix& matrix) : rows_(matrix.rows), columns_(matrix.colum
 }
 
 PanelProducts multiply_panel(const float* panel, std::size_t columns,
-                             const std::array<const float*, kPanelPoints>& points) {
+                             const std::array<const float*, kPanelPoints>& points, std::size_t count) {
   PanelProducts products;
-  HWY_DYNAMIC_DISPATCH(MultiplyPanel)(panel, columns, points, products);
+  HWY_DYNAMIC_DISPATCH(MultiplyPanel)(panel, columns, points, count, products);
   return products;
 }
 

@@ -10,8 +10,8 @@
 namespace flies::kernels {
 
 /// Rows of a matrix that are multiplied side by side, one to a lane.
-constexpr std::size_t kPanelRows = 16;
-/// Points that are multiplied with a panel while it is in the nearest memory.
+constexpr std::size_t kPanelRows = 32;
+/// Points that are multiplied with a panel at once, at most.
 constexpr std::size_t kPanelPoints = 4;
 
 /// A matrix in panels of `kPanelRows` rows, column by column, the last panel filled up with zeros. Every sum then runs
@@ -33,9 +33,10 @@ class Panels {
 
 using PanelProducts = std::array<std::array<float, kPanelRows>, kPanelPoints>;
 
-/// Scalar products of the rows of a panel with points of `columns` numbers each.
+/// Scalar products of the rows of a panel with the first `count` points, 1 to `kPanelPoints`, of `columns` numbers
+/// each.
 PanelProducts multiply_panel(const float* panel, std::size_t columns,
-                             const std::array<const float*, kPanelPoints>& points);
+                             const std::array<const float*, kPanelPoints>& points, std::size_t count);
 
 /// 2^-x to 3e-7 of its value, for x from 0; below 2^-126 it is that.
 void exp2_of_negative(std::array<float, kPanelRows>& x);
