@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "flies/core/random.hpp"
+#include "flies/fitness/kernels/kernel.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "flies/evolve/kernels/scouts.cpp"
@@ -13,6 +14,8 @@
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include "flies/fitness/kernels/byte_products-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace flies::kernels::HWY_NAMESPACE {
@@ -26,6 +29,9 @@ constexpr std::size_t kLanes = hn::MaxLanes(D());
 
 /// Flies at a time.
 constexpr std::size_t kBlock = 64;
+
+/// Of those, so many take each step together: the steps of one fly wait for each other, those of several do not.
+constexpr std::size_t kTogether = 8;
 constexpr int kReach_px = kRowColumns / 2;
 
 constexpr float kNone = -std::numeric_limits<float>::infinity();
@@ -254,28 +260,107 @@ HWY_INLINE std::size_t most_alike(const ScoutSearch& search, const Trials& trial
   return static_cast<std::size_t>(hn::GetLane(hn::MinOfLanes(d, candidates)));
 }
 
-void ScoutFlies(const ScoutSearch& search, std::uint32_t first_fly, std::size_t count, const float* u_px,
-                const float* v_px, float* disparity_px) {
+template <class SumRows>
+HWY_INLINE void scout_each(const ScoutSearch& search, std::uint32_t first_fly, std::size_t count, const float* u_px,
+                           const float* v_px, float* disparity_px, const SumRows& sum_rows) {
   Sights sights = {};
-  Trials trials = {};
-  const auto scouts = static_cast<std::size_t>(search.scouts);
+  Trials trials[kTogether] = {};
+  std::size_t scouted[kBlock + 1];
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
     const std::size_t flies = std::min(kBlock, count - begin);
     std::copy_n(u_px + begin, flies, sights.u_px);
     std::copy_n(v_px + begin, flies, sights.v_px);
     for (std::size_t k = 0; k < flies; k += kLanes) look(search, sights, k);
+    std::size_t found = 0;
     for (std::size_t k = 0; k < flies; ++k) {
-      if (sights.column[k] < 0) continue;
-      const auto fly = first_fly + static_cast<std::uint32_t>(begin + k);
-      const auto words = fly_words(search.seed, search.purpose, search.generation, fly, 0);
-      choose(search, sights, k, static_cast<float>(words[0] >> 8) * 0x1p-24F, trials);
-      sum_rows(search.left.row(sights.row[k]) + sights.column[k], search.right.row(sights.row[k]), scouts, trials);
-      const std::size_t best = most_alike(search, trials);
-      if (trials.unseen[best] == 0.0F) disparity_px[begin + k] = trials.disparity_px[best];
+      scouted[found] = k;
+      found += sights.column[k] >= 0 ? 1 : 0;
+    }
+    for (std::size_t first = 0; first < found; first += kTogether) {
+      const std::size_t together = std::min(kTogether, found - first);
+      for (std::size_t i = 0; i < together; ++i) {
+        const std::size_t k = scouted[first + i];
+        const auto fly = first_fly + static_cast<std::uint32_t>(begin + k);
+        const auto words = fly_words(search.seed, search.purpose, search.generation, fly, 0);
+        choose(search, sights, k, static_cast<float>(words[0] >> 8) * 0x1p-24F, trials[i]);
+      }
+      for (std::size_t i = 0; i < together; ++i) {
+        const std::size_t k = scouted[first + i];
+        sum_rows(search.left.row(sights.row[k]) + sights.column[k], search.right.row(sights.row[k]),
+                 static_cast<std::size_t>(search.scouts), trials[i]);
+      }
+      for (std::size_t i = 0; i < together; ++i) {
+        const std::size_t best = most_alike(search, trials[i]);
+        float& disparity = disparity_px[begin + scouted[first + i]];
+        disparity = trials[i].unseen[best] == 0.0F ? trials[i].disparity_px[best] : disparity;
+      }
     }
   }
 }
 
+#if HWY_TARGET == HWY_AVX3
+HWY_PUSH_ATTRIBUTES(FLIES_BYTE_PRODUCTS)
+
+/// The four groups of columns of a block, each in all lanes.
+struct BlockGroups {
+  W32 group[kGroups];
+  HWY_INLINE explicit BlockGroups(W32 block)
+      : group{hn::Broadcast<0>(block), hn::Broadcast<1>(block), hn::Broadcast<2>(block), hn::Broadcast<3>(block)} {}
+};
+
+/// `sum_rows` of 16 rows at once.
+HWY_INLINE void sum_rows_by_bytes(const std::uint8_t* left, const std::uint8_t* right, std::size_t count,
+                                  Trials& trials) {
+  const DW32 d;
+  const auto all_blocks = [&](const std::uint8_t* block)
+                              HWY_ATTR { return hn::BitCast(d, hn::LoadDup128(DW8(), block)); };
+  alignas(16) static constexpr std::uint8_t kInside[16] = {255, 255, 255, 255, 255, 255, 255,
+                                                           255, 255, 255, 255, 255, 255};
+  const W32 inside_block = all_blocks(kInside), one = hn::Set(d, 0x01010101);
+  const W32 middle = hn::Set(d, static_cast<std::int32_t>(0x80808080));
+  const BlockGroups inside(inside_block), ones(hn::And(inside_block, one));
+  // Grey levels less 128, which changes neither covariance nor variance.
+  const BlockGroups l(hn::And(hn::Xor(all_blocks(left), middle), inside_block));
+  W32 l_sum = hn::Zero(d);
+  for (int g = 0; g < kGroups; ++g) l_sum = add_byte_products(l_sum, one, l.group[g]);
+  for (std::size_t k = 0; k < count; k += 16) {
+    W32 rows[kQuadRows];
+    for (std::size_t j = 0; j < kQuadRows; ++j) {
+      const auto row = [&](std::size_t block) { return right + trials.column[k + 4 * block + j]; };
+      rows[j] = load_blocks(row(0), row(1), row(2), row(3));
+    }
+    const Quad r(rows);
+    W32 products = hn::Zero(d), sum = hn::Zero(d), squares = hn::Zero(d);
+    for (int g = 0; g < kGroups; ++g) {
+      const W32 r_signed = hn::And(hn::Xor(r.group[g], middle), inside.group[g]);
+      products = add_byte_products(products, r.group[g], l.group[g]);
+      sum = add_byte_products(sum, r.group[g], ones.group[g]);
+      squares = add_byte_products(squares, r.group[g], r_signed);
+    }
+    const W32 n = hn::Set(d, kRowColumns);
+    hn::Store(hn::Sub(hn::Mul(products, n), hn::Mul(sum, l_sum)), d, trials.covariance + k);
+    hn::Store(sum, d, trials.sum + k);
+    hn::Store(hn::Add(squares, hn::ShiftLeft<7>(sum)), d, trials.squares + k);
+  }
+}
+
+void scout_flies_by_bytes(const ScoutSearch& search, std::uint32_t first_fly, std::size_t count, const float* u_px,
+                          const float* v_px, float* disparity_px) {
+  scout_each(search, first_fly, count, u_px, v_px, disparity_px,
+             [](auto&&... of) HWY_ATTR { sum_rows_by_bytes(of...); });
+}
+
+HWY_POP_ATTRIBUTES
+#endif
+
+void ScoutFlies(const ScoutSearch& search, std::uint32_t first_fly, std::size_t count, const float* u_px,
+                const float* v_px, float* disparity_px) {
+#if HWY_TARGET == HWY_AVX3
+  static const bool by_bytes = chosen_kernel().target == "AVX3_DL";
+  if (by_bytes) return scout_flies_by_bytes(search, first_fly, count, u_px, v_px, disparity_px);
+#endif
+  scout_each(search, first_fly, count, u_px, v_px, disparity_px, [](auto&&... of) HWY_ATTR { sum_rows(of...); });
+}
 }  // namespace flies::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -1,5 +1,5 @@
 // Eq. (2) and moments of four patches side by side, where the CPU multiplies bytes and shifts across lanes: no include
-// guard. Needs agreement-inl.hpp.
+// guard. Needs agreement-inl.hpp and byte_products-inl.hpp.
 //
 // Each block of 16 bytes of a vector belongs to a patch. Four rows of the four patches are transposed, so that each
 // 32-bit lane belongs to a row and one vector holds columns 0 to 3, the next one columns 4 to 7, and so on: then every
@@ -8,50 +8,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace flies::kernels::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_AVX3
-HWY_PUSH_ATTRIBUTES(HWY_TARGET_STR ",avx512vnni,avx512vbmi2")
-
-using DW8 = hn::FixedTag<std::uint8_t, 64>;
-using DW32 = hn::FixedTag<std::int32_t, 16>;
-using DW64 = hn::FixedTag<std::int64_t, 8>;
-using DWF = hn::FixedTag<float, 16>;
-using W32 = hn::Vec<DW32>;
-using W64 = hn::Vec<DW64>;
-using WF = hn::Vec<DWF>;
+HWY_PUSH_ATTRIBUTES(FLIES_BYTE_PRODUCTS)
 
 constexpr std::size_t kPatchesAtOnce = 4;
-constexpr int kQuadRows = 4;  ///< rows at once, of each patch
-constexpr int kGroups = 4;    ///< of four columns
-
-/// Sums of four products of bytes in each lane, of those without by those with a sign.
-HWY_INLINE W32 add_byte_products(W32 sums, W32 without_sign, W32 with_sign) {
-  return W32{_mm512_dpbusd_epi32(sums.raw, without_sign.raw, with_sign.raw)};
-}
-
-/// Four rows of an image, transposed.
-struct Quad {
-  W32 group[kGroups];
-
-  Quad() = default;
-  HWY_INLINE explicit Quad(const W32 (&rows)[kQuadRows]) {
-    const DW32 d;
-    const DW64 d64;
-    const auto lower = [&](W32 a, W32 b) HWY_ATTR { return hn::BitCast(d64, hn::InterleaveLower(d, a, b)); };
-    const auto upper = [&](W32 a, W32 b) HWY_ATTR { return hn::BitCast(d64, hn::InterleaveUpper(d, a, b)); };
-    const W64 lower01 = lower(rows[0], rows[1]), lower23 = lower(rows[2], rows[3]);
-    const W64 upper01 = upper(rows[0], rows[1]), upper23 = upper(rows[2], rows[3]);
-    group[0] = hn::BitCast(d, hn::InterleaveLower(d64, lower01, lower23));
-    group[1] = hn::BitCast(d, hn::InterleaveUpper(d64, lower01, lower23));
-    group[2] = hn::BitCast(d, hn::InterleaveLower(d64, upper01, upper23));
-    group[3] = hn::BitCast(d, hn::InterleaveUpper(d64, upper01, upper23));
-  }
-  /// The columns to the right of these.
-  HWY_INLINE Quad next_columns() const {
-    Quad next;
-    for (int g = 0; g + 1 < kGroups; ++g) next.group[g] = W32{_mm512_shrdi_epi32(group[g].raw, group[g + 1].raw, 8)};
-    next.group[kGroups - 1] = W32{_mm512_srli_epi32(group[kGroups - 1].raw, 8)};
-    return next;
-  }
-};
 
 /// Reads one of the images of four patches from the first row on.
 class QuadReader {
@@ -73,13 +32,7 @@ class QuadReader {
   }
 
  private:
-  HWY_INLINE W32 load() const {
-    const auto block = [&](const std::uint8_t* at)
-                           HWY_ATTR { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at + offset_)); };
-    const __m256i ab = _mm256_inserti128_si256(_mm256_castsi128_si256(block(a_)), block(b_), 1);
-    const __m256i cd = _mm256_inserti128_si256(_mm256_castsi128_si256(block(c_)), block(d_), 1);
-    return W32{_mm512_inserti64x4(_mm512_castsi256_si512(ab), cd, 1)};
-  }
+  HWY_INLINE W32 load() const { return load_blocks(a_ + offset_, b_ + offset_, c_ + offset_, d_ + offset_); }
 
   const std::uint8_t *a_, *b_, *c_, *d_;
   std::ptrdiff_t stride_, offset_ = 0;

@@ -16,6 +16,7 @@
 #include "flies/fitness/kernels/row_vectors-inl.hpp"
 // After the vectors it is made of.
 #include "flies/fitness/kernels/agreement-inl.hpp"
+#include "flies/fitness/kernels/byte_products-inl.hpp"
 #include "flies/fitness/kernels/four_patches-inl.hpp"
 #include "flies/fitness/kernels/patch_reader-inl.hpp"
 
