@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "bench_measure.hpp"
+#include "camera_arguments.hpp"
 #include "commands.hpp"
 #include "flies/core/error.hpp"
 #include "flies/fitness/fitness.hpp"
@@ -22,7 +23,7 @@ namespace {
 
 struct BenchArguments {
   std::string left, right, calib, json;
-  std::optional<double> camera_height_m, camera_pitch_deg;
+  CameraArguments camera;
   bool only_flies = false;
   BenchPlan plan;
 };
@@ -50,12 +51,7 @@ BenchInput input_from_files(const BenchArguments& arguments) {
                    .files = flies::load_pair(arguments.left, arguments.right),
                    .rendered = std::nullopt,
                    .camera = {}};
-  flies::CalibrationRequest request;
-  request.cameras = flies::kitti_cameras_from_paths(arguments.left, arguments.right);
-  request.width_px = input.files.left.width_px;
-  request.height_px = input.files.left.height_px;
-  request.camera_height_m = arguments.camera_height_m;
-  if (arguments.camera_pitch_deg) request.camera_pitch_rad = flies::radians(*arguments.camera_pitch_deg);
+  const auto request = calibration_request(arguments.camera, arguments.left, arguments.right, input.files.view());
   const auto calibration = flies::load_calibration(arguments.calib, request);
   if (calibration.rectifier) input.files = calibration.rectifier->rectify(input.files);
   input.camera = calibration.camera;
@@ -174,10 +170,8 @@ void setup_bench(CLI::App& app) {
   command->add_option("RIGHT", arguments->right, "right image");
   command->add_option("--calib", arguments->calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE");
-  command->add_option("--camera-height", arguments->camera_height_m, "of the left camera above the road, metres")
-      ->type_name("M");
-  command->add_option("--camera-pitch", arguments->camera_pitch_deg, "degrees, positive when it looks down")
-      ->type_name("DEG");
+  add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
+  add_mount_options(*command, arguments->camera);
   command->add_option("--runs", arguments->plan.runs, "how often everything runs, in turns; medians are printed")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -185,13 +179,11 @@ void setup_bench(CLI::App& app) {
   command->add_option("--json", arguments->json, "write JSON instead of the table; - is standard output")
       ->type_name("FILE");
   command->footer(
-      "\nThe presets default and paper on one and two threads, stage by stage and as a whole; OpenCV's StereoBM, SGBM "
-      "and\n"
-      "SGBM 3-way at 128 disparities and its HOG people detector over the whole image, one thread each; evolving and\n"
-      "concentrating with 3000, 30000 and 300000 flies, and on the same pair with four times the pixels. Images are "
-      "in\n"
-      "memory, the detectors have seen some pairs before. All contestants run in turns, detectors five pairs in a "
-      "row.\n"
+      "\nThe presets default and paper on one and two threads, stage by stage and as a whole; OpenCV's\n"
+      "StereoBM, SGBM and SGBM 3-way at 128 disparities and its HOG people detector over the whole image,\n"
+      "one thread each; evolving and concentrating with 3000, 30000 and 300000 flies, and on the same pair\n"
+      "with four times the pixels. Images are in memory, the detectors have seen some pairs before. All\n"
+      "contestants run in turns, detectors five pairs in a row.\n"
       "Milliseconds: median, quartiles.\n"
       "\nExamples:\n"
       "  flies bench\n"

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_arguments.hpp"
 #include "commands.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/io/calibration.hpp"
@@ -17,25 +18,19 @@ namespace {
 struct CalibArguments {
   std::string file;
   std::string right_file;
-  std::vector<int> cameras;
   std::vector<int> size_px;
-  std::optional<double> camera_height_m;
-  std::optional<double> camera_pitch_deg;
-  std::optional<double> camera_roll_deg;
+  CameraArguments camera;
   bool json = false;
 };
 
 flies::CalibrationRequest request_of(const CalibArguments& arguments) {
   flies::CalibrationRequest request;
   request.right_path = arguments.right_file;
-  if (arguments.cameras.size() == 2) request.cameras = {arguments.cameras[0], arguments.cameras[1]};
+  fill_in(request, arguments.camera);
   if (arguments.size_px.size() == 2) {
     request.width_px = arguments.size_px[0];
     request.height_px = arguments.size_px[1];
   }
-  request.camera_height_m = arguments.camera_height_m;
-  if (arguments.camera_pitch_deg) request.camera_pitch_rad = flies::radians(*arguments.camera_pitch_deg);
-  if (arguments.camera_roll_deg) request.camera_roll_rad = flies::radians(*arguments.camera_roll_deg);
   return request;
 }
 
@@ -68,9 +63,9 @@ std::string table(const flies::Calibration& calibration, const CalibArguments& a
     line("  of the right image", fmt::format("({:.3f}, {:.3f}) px", camera.cx_right_px, camera.cy_px));
   line("baseline", fmt::format("{:.4f} m", camera.baseline_m));
   line("camera height", fmt::format("{:.3f} m ({})", camera.mount.height_m,
-                                    origin(arguments.camera_height_m.has_value(), calibration.has_height)));
+                                    origin(arguments.camera.height_m.has_value(), calibration.has_height)));
   line("camera pitch", fmt::format("{:.3f} deg, down is positive ({})", flies::degrees(camera.mount.pitch_rad),
-                                   origin(arguments.camera_pitch_deg.has_value(), calibration.has_pitch)));
+                                   origin(arguments.camera.pitch_deg.has_value(), calibration.has_pitch)));
   line("camera roll", fmt::format("{:.3f} deg, left side up is positive", flies::degrees(camera.mount.roll_rad)));
   const auto across_deg = field_of_view_deg(camera.fx_px, camera.cx_px, camera.width_px);
   const auto down_deg = field_of_view_deg(camera.fy_px, camera.cy_px, camera.height_px);
@@ -120,22 +115,15 @@ void setup_calib(CLI::App& app) {
   const auto arguments = std::make_shared<CalibArguments>();
   command->add_option("FILE", arguments->file, "calibration; the format is recognised from its content")->required();
   command->add_option("--right,--right-calib", arguments->right_file,
-                      "second file: the right camera of a ROS pair, or OpenCV's other half\n"
-                      "(intrinsics beside extrinsics)");
-  command->add_option("--cameras", arguments->cameras, "left and right KITTI camera (default 2,3)")
-      ->delimiter(',')
-      ->expected(2)
-      ->type_name("L,R");
+                      "second file: the right camera of a ROS pair, or OpenCV's other half (intrinsics beside "
+                      "extrinsics)");
+  add_cameras_option(*command, arguments->camera, "left and right KITTI camera (default 2,3)");
   command->add_option("--size", arguments->size_px, "image size where the file has none")
       ->delimiter(',')
       ->expected(2)
       ->check(CLI::Range(1, 100000))
       ->type_name("W,H");
-  command->add_option("--camera-height", arguments->camera_height_m, "metres above the road, overrules the file");
-  command->add_option("--camera-pitch", arguments->camera_pitch_deg,
-                      "degrees, positive looking down, overrules the file");
-  command->add_option("--camera-roll", arguments->camera_roll_deg,
-                      "degrees, positive with the left side raised, overrules the file");
+  add_mount_options(*command, arguments->camera);
   command->add_flag("--json", arguments->json, "print JSON instead of a table");
   command->footer(
       "\nFormats: KITTI object, raw and odometry, OpenCV stereo YAML or XML, ROS camera_info pair,\n"

@@ -1,15 +1,13 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
-#include <array>
-#include <charconv>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "camera_arguments.hpp"
 #include "commands.hpp"
 #include "detect_outputs.hpp"
 #include "detect_pictures.hpp"
@@ -31,39 +29,12 @@ namespace {
 
 struct DetectArguments {
   std::string left, right;
-  std::string calib, right_calib, cameras;
-  std::optional<double> camera_height_m, camera_pitch_deg, camera_roll_deg;
+  std::string calib, right_calib;
+  CameraArguments camera;
   std::string model;
   MethodArguments method;
   DetectOutputs outputs;
 };
-
-/// "2,3" -> {2, 3}.
-std::array<int, 2> parse_cameras(const std::string& text) {
-  std::array<int, 2> cameras{};
-  const char* const end = text.data() + text.size();
-  const auto [after_left, left_error] = std::from_chars(text.data(), end, cameras[0]);
-  if (left_error == std::errc{} && after_left != end && *after_left == ',') {
-    const auto [after_right, right_error] = std::from_chars(after_left + 1, end, cameras[1]);
-    if (right_error == std::errc{} && after_right == end) return cameras;
-  }
-  throw flies::InputError("command line", "--cameras",
-                          fmt::format("found '{}', expected two camera numbers such as 0,1", text));
-}
-
-flies::CalibrationRequest calibration_request(const DetectArguments& arguments, const flies::PairPaths& pair,
-                                              const flies::RectifiedPair& images) {
-  flies::CalibrationRequest request;
-  request.right_path = arguments.right_calib;
-  request.cameras = arguments.cameras.empty() ? flies::kitti_cameras_from_paths(pair.left, pair.right)
-                                              : parse_cameras(arguments.cameras);
-  request.width_px = images.left.width_px;
-  request.height_px = images.left.height_px;
-  request.camera_height_m = arguments.camera_height_m;
-  if (arguments.camera_pitch_deg) request.camera_pitch_rad = flies::radians(*arguments.camera_pitch_deg);
-  if (arguments.camera_roll_deg) request.camera_roll_rad = flies::radians(*arguments.camera_roll_deg);
-  return request;
-}
 
 std::vector<std::string> other_inputs(const DetectArguments& arguments) {
   std::vector<std::string> inputs = {arguments.calib};
@@ -105,8 +76,9 @@ void run_detect(const DetectArguments& arguments) {
     thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
 
   flies::GrayPair images = flies::load_pair(pairs[0].left, pairs[0].right);
-  flies::Calibration calibration =
-      flies::load_calibration(arguments.calib, calibration_request(arguments, pairs[0], images.view()));
+  auto request = calibration_request(arguments.camera, pairs[0].left, pairs[0].right, images.view());
+  request.right_path = arguments.right_calib;
+  flies::Calibration calibration = flies::load_calibration(arguments.calib, request);
   std::optional<flies::Detector> detector;
   std::optional<flies::OutputFile> json, csv;
   if (!arguments.outputs.json.empty()) json.emplace(arguments.outputs.json);
@@ -160,14 +132,8 @@ void add_input_options(CLI::App& command, DetectArguments& arguments) {
       ->required();
   command.add_option("--right-calib", arguments.right_calib, "second file, where left and right have one each")
       ->type_name("FILE");
-  command.add_option("--cameras", arguments.cameras, "KITTI cameras, e.g. 0,1; else by image path, else 2,3")
-      ->type_name("L,R");
-  command.add_option("--camera-height", arguments.camera_height_m, "of the left camera above the road, metres")
-      ->type_name("M");
-  command.add_option("--camera-pitch", arguments.camera_pitch_deg, "degrees, positive when it looks down")
-      ->type_name("DEG");
-  command.add_option("--camera-roll", arguments.camera_roll_deg, "degrees, positive when it leans to the right")
-      ->type_name("DEG");
+  add_cameras_option(command, arguments.camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
+  add_mount_options(command, arguments.camera);
 }
 
 void add_output_options(CLI::App& command, DetectOutputs& outputs) {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "camera_arguments.hpp"
 #include "commands.hpp"
 #include "evaluation_report.hpp"
 #include "flies/classify/people_classifier.hpp"
@@ -30,9 +31,8 @@ using Overrides = std::vector<std::pair<std::string, std::string>>;
 
 struct EvaluateArguments {
   std::string folder;
-  std::vector<int> cameras;
   std::string calib;
-  std::optional<double> camera_height_m, camera_pitch_deg, camera_roll_deg;
+  CameraArguments camera;
   int start = 0, step = 1;
   std::vector<std::string> detections;
   std::vector<std::string> yardsticks;
@@ -47,10 +47,7 @@ struct EvaluateArguments {
 flies::DatasetRequest dataset_request(const EvaluateArguments& arguments) {
   flies::DatasetRequest request;
   request.calib = arguments.calib;
-  if (!arguments.cameras.empty()) request.cameras = std::array{arguments.cameras[0], arguments.cameras[1]};
-  request.camera_height_m = arguments.camera_height_m;
-  if (arguments.camera_pitch_deg) request.camera_pitch_rad = flies::radians(*arguments.camera_pitch_deg);
-  if (arguments.camera_roll_deg) request.camera_roll_rad = flies::radians(*arguments.camera_roll_deg);
+  fill_in(request, arguments.camera);
   return request;
 }
 
@@ -162,18 +159,9 @@ void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
       .add_option("TRUTH", arguments.folder,
                   "KITTI drive or object folder, result of flies synth, or foot points of people")
       ->required();
-  command.add_option("--cameras", arguments.cameras, "of a KITTI drive, e.g. 2,3; else 0,1 when there, else 2,3")
-      ->delimiter(',')
-      ->expected(2)
-      ->check(CLI::Range(0, 3))
-      ->type_name("L,R");
+  add_cameras_option(command, arguments.camera, "of a KITTI drive, e.g. 2,3; else 0,1 when there, else 2,3");
   command.add_option("--calib", arguments.calib, "calibration, where the folder holds none")->type_name("FILE");
-  command.add_option("--camera-height", arguments.camera_height_m, "of the left camera above the road, metres")
-      ->type_name("M");
-  command.add_option("--camera-pitch", arguments.camera_pitch_deg, "degrees, positive when it looks down")
-      ->type_name("DEG");
-  command.add_option("--camera-roll", arguments.camera_roll_deg, "degrees, positive when it leans to the right")
-      ->type_name("DEG");
+  add_mount_options(command, arguments.camera);
   command
       .add_option("--unlabelled", arguments.unlabelled,
                   "people who are real but not labelled, to be ignored: name,left,top,width,height a line")
@@ -238,15 +226,15 @@ void setup_evaluate(CLI::App& app) {
       ->type_name("FILE")
       ->group("Output");
   command->footer(
-      "\nThe kind of truth is recognised from the folder's content; docs/evaluation.md describes each kind, the\n"
-      "measures and the JSON. Times are those of one pair after another. --start 0 --step 2 takes the even\n"
-      "pairs, --start 1 --step 2 the odd ones.\n"
+      "\nThe kind of truth is recognised from the folder's content; docs/evaluation.md describes each\n"
+      "kind, the measures and the JSON. Times are those of one pair after another. --start 0 --step 2\n"
+      "takes the even pairs, --start 1 --step 2 the odd ones.\n"
       "\nExamples:\n"
       "  flies evaluate 2011_09_26/2011_09_26_drive_0005_sync --yardstick sgbm,sgbm-3way\n"
       "  flies evaluate kitti/object/training --preset paper --missed\n"
       "  flies synth street --frames 20 && flies evaluate street --json measures.json\n"
       "  flies evaluate street --detections found.jsonl\n"
-      "  flies evaluate eth_bahnhof/rectified --camera-height 0.98 --yardstick hog-48x96,hog-64x128 --missed\n"
+      "  flies evaluate eth_bahnhof/rectified --camera-height 0.98 --yardstick hog-48x96 --missed\n"
       "\nExit status: 0 done, 2 a fault in the input, told in one line.");
   command->callback([arguments] { run_evaluate(*arguments); });
 }

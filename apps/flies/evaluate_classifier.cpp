@@ -147,11 +147,11 @@ void setup_evaluate_classifier(CLI::App& app) {
       ->group("Output");
   command->add_option("--plot", arguments->plot, "the DET curves as PNG")->type_name("FILE")->group("Output");
   command->footer(
-      "\nA window with a person is 1:2, the person 3/4 of its height, in the middle: 96 px of 64 x 128. Windows\n"
-      "without people are drawn at random from the pictures without people, the same for every model. All are\n"
-      "scaled to the model's size. docs/evaluation.md describes the measures and the JSON.\n"
+      "\nA window with a person is 1:2, the person 3/4 of its height, in the middle: 96 px of 64 x 128.\n"
+      "Windows without people are drawn at random from the pictures without people, the same for every\n"
+      "model. All are scaled to the model's size. docs/evaluation.md describes the measures and the JSON.\n"
       "\nExample:\n"
-      "  flies evaluate-classifier opencv-48x96 opencv-64x128 my-model.json --data people/test --html models.html\n"
+      "  flies evaluate-classifier opencv-48x96 mine.json --data people/test --html models.html\n"
       "\nExit status: 0 done, 2 a fault in the input, told in one line.");
   command->callback([arguments] { run_evaluate_classifier(*arguments); });
 }

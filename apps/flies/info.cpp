@@ -76,7 +76,8 @@ void setup_info(CLI::App& app) {
   command->footer(
       "\nExample:\n"
       "  flies info\n"
-      "\nThe environment variable FLIES_TARGET selects another fitness kernel for any command, e.g. FLIES_TARGET=SSE4\n"
+      "\nThe environment variable FLIES_TARGET selects another fitness kernel for any command,\n"
+      "e.g. FLIES_TARGET=SSE4\n"
       "or scalar. Results stay the same.\n"
       "\nExit status: 0.");
   command->callback(run_info);

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "command_line.hpp"
 #include "commands.hpp"
+#include "end_on_signal.hpp"
 #include "exit_status.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
@@ -46,6 +48,14 @@ std::string unexpected_argument(const CLI::App& app) {
   return fmt::format("unexpected argument '{}'", extras.empty() ? "" : extras.front());
 }
 
+/// @param complaint of CLI11, which starts with the option's name and a colon
+std::string missing_value(const CLI::App& app, const std::string& complaint) {
+  const std::string name = complaint.substr(0, complaint.find(':'));
+  const auto subcommands = app.get_subcommands();
+  const auto* option = (subcommands.empty() ? app : *subcommands.front()).get_option_no_throw(name);
+  return fmt::format("{}: expects a value {}", name, option == nullptr ? "" : option->get_type_name());
+}
+
 void setup(CLI::App& app) {
   app.name("flies");
   app.description(
@@ -73,6 +83,8 @@ void setup(CLI::App& app) {
   setup_bench(app);
   setup_config(app);
   setup_info(app);
+  wrap_help(app);
+  refuse_options_as_values(app);
 }
 
 int run(int argc, char** argv) {
@@ -89,6 +101,9 @@ int run(int argc, char** argv) {
     return kExitSuccess;
   } catch (const CLI::ExtrasError&) {
     return complain("command line: " + unexpected_argument(app) + "; try '" + help_command(app) + "'", kExitInputFault);
+  } catch (const CLI::ArgumentMismatch& error) {
+    return complain("command line: " + missing_value(app, error.what()) + "; try '" + help_command(app) + "'",
+                    kExitInputFault);
   } catch (const CLI::ParseError& error) {
     return complain("command line: " + std::string(error.what()) + "; try '" + help_command(app) + "'",
                     kExitInputFault);
@@ -102,6 +117,7 @@ int main(int argc, char** argv) {
   // A file size limit then fails the write, which is reported, instead of killing the process.
   std::signal(SIGXFSZ, SIG_IGN);
 #endif
+  end_cleanly_on_signals();
   try {
     return run(argc, argv);
   } catch (const flies::InputError& error) {

@@ -123,12 +123,12 @@ void setup_reproduce(CLI::App& app) {
       ->type_name("N")
       ->capture_default_str();
   command->footer(
-      "\nMakes figures 2 to 5 of Li, Toulminet, Nashashibi 2010 and their numbers beside ours, with the preset\n"
-      "paper, from scenes that need no data and from KITTI folders if given. One HTML file holds everything.\n"
+      "\nMakes figures 2 to 5 of Li, Toulminet, Nashashibi 2010 and their numbers beside ours, with the\n"
+      "preset paper, from scenes that need no data and from KITTI folders if given. One HTML file holds\n"
+      "everything.\n"
       "\nExamples:\n"
       "  flies reproduce\n"
-      "  flies reproduce --kitti 2011_09_26/2011_09_26_drive_0005_sync --kitti-object object/training --json "
-      "numbers.json\n"
+      "  flies reproduce --kitti 2011_09_26/2011_09_26_drive_0005_sync --json numbers.json\n"
       "\nExit status: 0 done, 2 a fault in the options or a folder, or a file that cannot be written.");
   command->callback([arguments] { run_reproduce(*arguments); });
 }

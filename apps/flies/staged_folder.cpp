@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/unfinished_outputs.hpp"
 
 namespace {
 
@@ -33,13 +34,16 @@ StagedFolder::StagedFolder(const std::string& folder, std::vector<std::string> e
       throw flies::InputError(folder_, "", "the folder is not empty; choose another or overwrite with --force");
   }
   part_ = target_.string() + ".part-" + std::to_string(::getpid());
+  flies::note_unfinished_output(part_);
   fs::create_directories(part_, error);
+  if (error) flies::forget_unfinished_output(part_);
   check(error, folder_, "create the folder");
 }
 
 StagedFolder::~StagedFolder() {
   std::error_code error;  // nothing more can be done about leftovers here
   fs::remove_all(part_, error);
+  flies::forget_unfinished_output(part_);
 }
 
 std::string StagedFolder::path(const std::string& file) const {

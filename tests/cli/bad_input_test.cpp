@@ -253,7 +253,18 @@ std::vector<BadInput> bad_inputs() {
       {"NegativeCameraHeight", with_words({"--camera-height", "-1"}), {"height"}},
       {"CameraPitchBeyondRange", with_words({"--camera-pitch", "80"}), {"pitch", "80"}},
       {"CameraHeightNotANumber", with_words({"--camera-height", "tall"}), {"--camera-height", "tall"}},
-      {"CamerasNotTwoNumbers", with_words({"--cameras", "0"}), {"--cameras", "0,1"}},
+      {"CamerasNotTwoNumbers", with_words({"--cameras", "0"}), {"--cameras", "L,R"}},
+      {"CamerasOfAFileOfTwo",
+       [](const fs::path& f) {
+         write_text(f / "calib.txt", calibration_yaml(street_camera()));
+         return detect({"--cameras", "0,1"});
+       },
+       {"calib.txt", "cameras", "flies YAML"}},
+      {"SecondCalibrationOfAFileThatSaysAll",
+       with_words({"--right-calib", "calib.txt"}),
+       {"calib.txt", "right calibration", "KITTI"}},
+      {"ValueForgottenAtTheEnd", with_words({"--seed"}), {"--seed", "expects a value N"}},
+      {"ValueForgottenBeforeAnOption", with_words({"--csv", "--seed", "3"}), {"--csv", "expects a value", "--seed"}},
       {"CamerasThatDoNotExist", with_words({"--cameras", "7,8"}), {"7"}},
       // Outputs
       {"OutputFolderMissing", with_words({"--csv", "gone/out.csv"}), {"gone/out.csv"}},

@@ -85,6 +85,11 @@ std::optional<int> kitti_camera_of(const std::string& path) {
 Calibration load_calibration(const std::string& path, const CalibrationRequest& request) {
   const auto table = read_number_table(path);
   const auto& format = recognise(table);
+  if (request.cameras && !format.has_cameras)
+    throw InputError(path, "cameras", fmt::format("only a file of KITTI lets them be chosen, found {}", format.name));
+  if (!request.right_path.empty() && !format.has_second_file)
+    throw InputError(request.right_path, "right calibration",
+                     fmt::format("is not used: {} is of the format {}, which says all in one file", path, format.name));
   auto calibration = format.read(table, request);
   calibration.format = format.name;
   apply_mount(request, calibration);

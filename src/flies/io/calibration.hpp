@@ -15,8 +15,9 @@ struct CalibrationRequest {
   /// Second file: the right camera of a ROS pair, or the other half of OpenCV's intrinsics.yml and extrinsics.yml.
   /// When empty, the right file of a ROS pair is looked for beside the left one.
   std::string right_path;
-  std::optional<std::array<int, 2>> cameras;  ///< KITTI cameras, left and right; 2 and 3 when not given
-  int width_px = 0;                           ///< size of the images, used when the file does not say
+  std::optional<std::array<int, 2>> cameras;    ///< KITTI cameras, left and right; other formats refuse them
+  std::array<int, 2> default_cameras = {2, 3};  ///< KITTI cameras when none are given; other formats ignore them
+  int width_px = 0;                             ///< size of the images, used when the file does not say
   int height_px = 0;
   std::optional<double> camera_height_m;  ///< these three overrule the file
   std::optional<double> camera_pitch_rad;

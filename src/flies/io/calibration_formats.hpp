@@ -10,6 +10,8 @@ namespace flies::detail {
 /// A calibration format: how to know it and how to read it.
 struct CalibrationFormat {
   const char* name;
+  bool has_cameras;      ///< says more than two, of which a pair is chosen
+  bool has_second_file;  ///< may be split into two
   bool (*matches)(const NumberTable& table);
   /// Fills camera, names and notes; name, mount defaults and the checks common to all are the caller's.
   Calibration (*read)(const NumberTable& table, const CalibrationRequest& request);

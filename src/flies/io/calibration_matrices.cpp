@@ -53,7 +53,7 @@ bool is_projection_table(const NumberTable& table) { return table.has("P0") || t
 
 Calibration read_kitti(const NumberTable& table, const CalibrationRequest& request, const char* pattern,
                        const char* size_pattern) {
-  const auto cameras = request.cameras.value_or(std::array{2, 3});
+  const auto cameras = request.cameras.value_or(request.default_cameras);
   const auto key = [&](int camera) { return fmt::format(fmt::runtime(pattern), camera); };
   for (const int camera : cameras)
     if (!table.has(key(camera)))
@@ -129,7 +129,7 @@ Calibration calibration_from_projections(const ProjectionKey& left_key, const Pr
 }
 
 const CalibrationFormat kKittiObject{
-    "KITTI object calib.txt",
+    "KITTI object calib.txt", true, false,
     [](const NumberTable& table) {
       return is_projection_table(table) &&
              (table.has("R0_rect") || table.has("R_rect") || table.has("Tr_velo_to_cam") || table.has("Tr_velo_cam"));
@@ -139,19 +139,19 @@ const CalibrationFormat kKittiObject{
     }};
 
 const CalibrationFormat kKittiRaw{
-    "KITTI raw calib_cam_to_cam.txt",
+    "KITTI raw calib_cam_to_cam.txt", true, false,
     [](const NumberTable& table) { return table.has("P_rect_00") || table.has("P_rect_02"); },
     [](const NumberTable& table, const CalibrationRequest& request) {
       return read_kitti(table, request, "P_rect_{:02}", "S_rect_{:02}");
     }};
 
-const CalibrationFormat kKittiOdometry{"KITTI odometry calib.txt",
+const CalibrationFormat kKittiOdometry{"KITTI odometry calib.txt", true, false,
                                        [](const NumberTable& table) { return table.has("P0") && table.has("P1"); },
                                        [](const NumberTable& table, const CalibrationRequest& request) {
                                          return read_kitti(table, request, "P{}", nullptr);
                                        }};
 
-const CalibrationFormat kMiddlebury{"Middlebury calib.txt",
+const CalibrationFormat kMiddlebury{"Middlebury calib.txt", false, false,
                                     [](const NumberTable& table) { return table.has("cam0") || table.has("cam1"); },
                                     read_middlebury};
 

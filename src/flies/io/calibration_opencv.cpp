@@ -110,7 +110,7 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
 
 }  // namespace
 
-const CalibrationFormat kOpenCvStereo{"OpenCV stereo",
+const CalibrationFormat kOpenCvStereo{"OpenCV stereo", false, true,
                                       [](const NumberTable& table) {
                                         const auto has_any = [&](Names names) {
                                           return table.has(key_of(table, names));

@@ -126,11 +126,11 @@ Calibration read_ros(const NumberTable& table, const CalibrationRequest& request
 }  // namespace
 
 const CalibrationFormat kPlainYaml{
-    "flies YAML",
+    "flies YAML", false, false,
     [](const NumberTable& table) { return table.has("fx_px") || table.has("baseline_m") || table.has("cx_px"); },
     read_plain};
 
-const CalibrationFormat kRosCameraInfo{"ROS camera_info pair",
+const CalibrationFormat kRosCameraInfo{"ROS camera_info pair", false, true,
                                        [](const NumberTable& table) {
                                          return table.has("projection_matrix") || table.has("left.projection_matrix") ||
                                                 table.has("right.projection_matrix") ||

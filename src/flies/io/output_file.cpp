@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/unfinished_outputs.hpp"
 
 namespace flies {
 namespace {
@@ -46,11 +47,12 @@ OutputFile::OutputFile(const std::string& path) : path_(path) {
   // A file that may not be written must not be replaced either, although the folder would allow it.
   if (fs::exists(target_path_, error) && ::access(target_path_.c_str(), W_OK) != 0) fail(errno);
   part_path_ = part_name(target_path_);
+  note_unfinished_output(part_path_);
   const int descriptor = ::open(part_path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   const int open_error = errno;
   if (descriptor >= 0) file_ = ::fdopen(descriptor, "wb");
   if (file_ == nullptr) {
-    if (descriptor < 0) part_path_.clear();
+    if (descriptor < 0) forget_part();
     discard();
     fail(open_error);
   }
@@ -88,7 +90,7 @@ void OutputFile::commit() {
     discard();
     fail(error_number);
   }
-  part_path_.clear();
+  forget_part();
 }
 
 void OutputFile::fail(int error_number) const {
@@ -100,6 +102,11 @@ void OutputFile::discard() noexcept {
   if (file_ != nullptr && file_ != stdout) std::fclose(file_);
   file_ = nullptr;
   if (!part_path_.empty()) ::unlink(part_path_.c_str());
+  forget_part();
+}
+
+void OutputFile::forget_part() noexcept {
+  if (!part_path_.empty()) forget_unfinished_output(part_path_);
   part_path_.clear();
 }
 

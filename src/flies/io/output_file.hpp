@@ -34,6 +34,7 @@ class OutputFile {
  private:
   [[noreturn]] void fail(int error_number) const;
   void discard() noexcept;
+  void forget_part() noexcept;
 
   std::string path_;         ///< as the user wrote it
   std::string target_path_;  ///< with links resolved

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "flies/io/temporary_folder.hpp"
+#include "flies/io/unfinished_outputs.hpp"
 
 namespace flies {
 namespace {
@@ -37,6 +38,21 @@ TEST(OutputFile, LeavesNothingWithoutCommit) {
   const TemporaryFolder folder;
   { OutputFile(folder.file("out.txt")).write("half"); }
   EXPECT_EQ(folder.count(), 0U);
+}
+
+TEST(OutputFile, IsRemovedWithAllThatIsUnfinished) {
+  const TemporaryFolder folder;
+  // In a process of its own: no output can be begun or ended afterwards.
+  const auto write_and_end = [&] {
+    OutputFile complete(folder.file("complete.txt"));
+    complete.commit();
+    const OutputFile unfinished(folder.file("unfinished.txt"));
+    remove_unfinished_outputs();
+    ::_exit(0);
+  };
+  EXPECT_EXIT(write_and_end(), ::testing::ExitedWithCode(0), "");
+  EXPECT_TRUE(fs::exists(folder.file("complete.txt")));
+  EXPECT_EQ(folder.count(), 1U);
 }
 
 TEST(OutputFile, KeepsTheOldFileWithoutCommit) {

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "flies/core/stereo_camera.hpp"
+#include "flies/io/calibration.hpp"
+
+/// What the user says of the camera beside its calibration file.
+struct CameraArguments {
+  std::vector<int> cameras;  ///< KITTI's, left and right; empty: not said
+  std::optional<double> height_m, pitch_deg, roll_deg;
+};
+
+void add_mount_options(CLI::App& command, CameraArguments& arguments);
+
+/// @param meaning what `--cameras` does for this command
+void add_cameras_option(CLI::App& command, CameraArguments& arguments, const std::string& meaning);
+
+/// @param request a flies::CalibrationRequest or flies::DatasetRequest
+template <class Request>
+void fill_in(Request& request, const CameraArguments& arguments) {
+  if (!arguments.cameras.empty()) request.cameras = std::array{arguments.cameras[0], arguments.cameras[1]};
+  request.camera_height_m = arguments.height_m;
+  if (arguments.pitch_deg) request.camera_pitch_rad = flies::radians(*arguments.pitch_deg);
+  if (arguments.roll_deg) request.camera_roll_rad = flies::radians(*arguments.roll_deg);
+}
+
+/// A calibration for a pair of images, whose paths tell which KITTI cameras they come from.
+flies::CalibrationRequest calibration_request(const CameraArguments& arguments, const std::string& left_path,
+                                              const std::string& right_path, const flies::RectifiedPair& images);

@@ -1,0 +1,35 @@
+#include "end_on_signal.hpp"
+
+#include <csignal>
+#include <thread>
+
+#include "flies/io/unfinished_outputs.hpp"
+
+namespace {
+
+/// Those that are not ignored, as SIGHUP is under nohup.
+sigset_t ending_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action = {};
+    if (sigaction(signal, nullptr, &action) == 0 && action.sa_handler != SIG_IGN) sigaddset(&signals, signal);
+  }
+  return signals;
+}
+
+}  // namespace
+
+// A signal handler may call next to nothing; a thread that waits for the signal may remove folders.
+void end_cleanly_on_signals() {
+  const sigset_t signals = ending_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::thread([signals] {
+    int signal = 0;
+    if (sigwait(&signals, &signal) != 0) return;
+    flies::remove_unfinished_outputs();
+    std::signal(signal, SIG_DFL);
+    pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+    std::raise(signal);
+  }).detach();
+}
