@@ -149,6 +149,7 @@ class CellSums {
 
 HogBlocks hog_blocks(FloatImage pixels, const HogGeometry& geometry) {
   const std::size_t count = pixels.values.size();
+  static_assert(kSparePixels >= 2 * kRowPadding);
   pixels.values.resize(rounded_up(count, kRowPadding) + kRowPadding, 0.0F);
   if (geometry.gamma) kernels::square_roots(pixels.values.data(), count);
   const auto blocks_along = [&](int size_px) {

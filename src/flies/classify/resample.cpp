@@ -46,7 +46,9 @@ FloatImage resample(const GrayView& image, const ImageBox& region, int width_px,
   for (int& source : across.source) source -= first_u;
 
   const auto width = static_cast<std::size_t>(width_px), height = static_cast<std::size_t>(height_px);
-  FloatImage result{width_px, height_px, std::vector<float>(width * height)};
+  FloatImage result{width_px, height_px, {}};
+  result.values.reserve(width * height + kSparePixels);
+  result.values.resize(width * height);
   std::vector<float> mixed(kMixedRows * static_cast<std::size_t>(columns)), aside(kMixedRows * width), nobody(width);
   std::vector<const std::uint8_t*> sources(kMixedRows * down.count);
   std::vector<float> weights(sources.size());

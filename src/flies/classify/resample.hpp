@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "flies/core/gray_view.hpp"
@@ -16,6 +17,10 @@ struct FloatImage {
   const float* row(int v) const { return values.data() + static_cast<std::ptrdiff_t>(v) * width_px; }
   float* row(int v) { return values.data() + static_cast<std::ptrdiff_t>(v) * width_px; }
 };
+
+/// As many pixels can be appended to what `resample` returns without its memory being moved: features read vectors
+/// behind the last one.
+inline constexpr std::size_t kSparePixels = 32;
 
 /// A region of an image, resized to this many pixels: each is the mean of the area that it covers where the region
 /// shrinks, and interpolated linearly where it grows. Where the region leaves the image, the border pixels are
