@@ -129,7 +129,11 @@ HWY_ATTR void AddColumns(const float* columns, const float* weights, std::size_t
       const auto sum = [&](std::size_t i) HWY_ATTR { return hn::LoadU(d4, sums + kBinsAside * i + k); };
       hn::StoreU(hn::Add(hn::Add(sum(0), sum(2)), hn::Add(sum(1), sum(3))), d4, totals + k);
     }
-    for (std::size_t k = 0; k < bins; ++k) out[k] = totals[k];
+    // Not a loop up to `bins`: the compiler calls a function for that.
+    out[0] = totals[0];
+    if (bins > 1) out[1] = totals[1];
+    if (bins > 2) out[2] = totals[2];
+    if (bins > 3) out[3] = totals[3];
   }
 }
 
