@@ -68,8 +68,9 @@ class CellSums {
         width_(static_cast<std::size_t>(pixels.width_px - 2 * kHogMargin_px)),
         plane_size_(rounded_up(width_, kRowPadding)),
         sums_size_(rounded_up(bins_, kBinsAside) * plane_size_),
-        // Rows of blocks that have begun and are not finished.
-        live_rows_((geometry.block_px + static_cast<int>(kRowsAtOnce)) / geometry.stride_px + 2),
+        // Rows of blocks that have begun and are not finished: they start less than a block before the rows of pixels
+        // at hand or among them.
+        live_rows_((geometry.block_px + static_cast<int>(kRowsAtOnce) - 2) / geometry.stride_px + 1),
         sums_(static_cast<std::size_t>(live_rows_) * weights_.size() * sums_size_, 0.0F),
         aside_(sums_size_ + kRowPadding, 0.0F),
         blocks_(blocks) {
@@ -114,7 +115,7 @@ class CellSums {
       float* const sums = sums_of(row, cell_v);
       for (std::size_t bin = 0; bin < bins_; bin += kBinsAside)
         kernels::interleave(sums + bin * plane_size_, plane_size_, aside_.data() + bin * plane_size_);
-      std::fill_n(sums, sums_size_, 0.0F);
+      std::fill_n(sums, bins_ * plane_size_, 0.0F);
       for (std::size_t cell_u = 0; cell_u < cells; ++cell_u)
         for (std::size_t bin = 0; bin < bins_; bin += kBinsAside) add_columns(row, cell_u, cell_v, bin);
     }
