@@ -38,7 +38,8 @@ double standard_normal(std::uint32_t word) {
   const std::size_t k = word >> (32 - kIndexBits);
   const double fraction = ((word >> 1) & ((1u << kFractionBits) - 1)) * (1.0 / (1u << kFractionBits));
   const double magnitude = knots[k] + fraction * (knots[k + 1] - knots[k]);
-  return (word & 1u) != 0 ? -magnitude : magnitude;
+  constexpr double kSigns[] = {1.0, -1.0};  // no branch, which would be mispredicted every other time
+  return kSigns[word & 1u] * magnitude;
 }
 
 }  // namespace flies

@@ -50,16 +50,6 @@ Habitat::Habitat(const Projection& projection, const RectifiedPair& pair, const 
     q_at_ratios_[i] = static_cast<float>(far_q_px_ * std::pow(near_q_px_ / far_q_px_, static_cast<double>(i) / kSteps));
 }
 
-bool Habitat::holds(const StereoPoint& fly) const {
-  const double q = fly.disparity_px - projection_.disparity_offset_px();
-  const auto between = [](double low, double value, double high) { return value >= low && value <= high; };
-  return q > 0.0 && between(0.0, fly.u_px, left().width_px - 1) && between(0.0, fly.v_px, left().height_px - 1) &&
-         between(field_.x_min_m * q, x_.at(fly), field_.x_max_m * q) &&
-         between(field_.y_min_m * q, y_.at(fly), field_.y_max_m * q) &&
-         between((field_.z_min_m - camera_above_road_m_) * q, height_.at(fly),
-                 (field_.z_max_m - camera_above_road_m_) * q);
-}
-
 Habitat::Sight Habitat::sight(double u_px, double v_px) const {
   const StereoPoint place{u_px, v_px, 0.0};
   Sight sight{far_q_px_, near_q_px_};
@@ -72,11 +62,6 @@ StereoPoint Habitat::at_height(double u_px, double height_m, double disparity_px
   const double q = disparity_px - projection_.disparity_offset_px();
   const double height = (height_m - camera_above_road_m_) * q;
   return {u_px, (height - height_.constant - height_.per_u * u_px) / height_.per_v, disparity_px};
-}
-
-Point3 Habitat::point(const StereoPoint& fly) const {
-  const double per_q = 1.0 / (fly.disparity_px - projection_.disparity_offset_px());
-  return {x_.at(fly) * per_q, y_.at(fly) * per_q, z_.at(fly) * per_q + projection_.height_m()};
 }
 
 }  // namespace flies

@@ -19,7 +19,15 @@ class Habitat {
   Habitat(const Projection& projection, const RectifiedPair& pair, const RoadPlane& road, const FieldOptions& field);
 
   /// True when the fly lies in the field and its left projection in the image; false when it is not finite.
-  bool holds(const StereoPoint& fly) const;
+  bool holds(const StereoPoint& fly) const {
+    const double q = fly.disparity_px - projection_.disparity_offset_px();
+    const auto between = [](double low, double value, double high) { return (value >= low) & (value <= high); };
+    return (q > 0.0) & between(0.0, fly.u_px, left().width_px - 1) & between(0.0, fly.v_px, left().height_px - 1) &
+           between(field_.x_min_m * q, x_.at(fly), field_.x_max_m * q) &
+           between(field_.y_min_m * q, y_.at(fly), field_.y_max_m * q) &
+           between((field_.z_min_m - camera_above_road_m_) * q, height_.at(fly),
+                   (field_.z_max_m - camera_above_road_m_) * q);
+  }
 
   /// The fly in this column and of this disparity that is `height_m` above the road.
   StereoPoint at_height(double u_px, double height_m, double disparity_px) const;
@@ -45,7 +53,10 @@ class Habitat {
   const std::array<float, kSteps + 2>& q_at_ratios() const { return q_at_ratios_; }
 
   /// Position in the vehicle frame. The fly's disparity must exceed that of infinity.
-  Point3 point(const StereoPoint& fly) const;
+  Point3 point(const StereoPoint& fly) const {
+    const double per_q = 1.0 / (fly.disparity_px - projection_.disparity_offset_px());
+    return {x_.at(fly) * per_q, y_.at(fly) * per_q, z_.at(fly) * per_q + projection_.height_m()};
+  }
 
   /// A coordinate relative to the camera, times q, in metres times pixels.
   struct Linear {

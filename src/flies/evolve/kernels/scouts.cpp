@@ -12,6 +12,7 @@
 #define HWY_TARGET_INCLUDE "flies/evolve/kernels/scouts.cpp"
 // Vectors without a compile-time size: a row is too narrow to gain from them, NEON serves it as well.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -283,6 +284,10 @@ HWY_INLINE void scout_each(const ScoutSearch& search, std::uint32_t first_fly, s
         const auto fly = first_fly + static_cast<std::uint32_t>(begin + k);
         const auto words = fly_words(search.seed, search.purpose, search.generation, fly, 0);
         choose(search, sights, k, static_cast<float>(words[0] >> 8) * 0x1p-24F, trials[i]);
+        // Large images lie in the third level cache. Neighbouring trials often share their pixels' cache line.
+        hwy::Prefetch(search.left.row(sights.row[k]) + sights.column[k]);
+        for (int trial = 0; trial < search.scouts; trial += 4)
+          hwy::Prefetch(search.right.row(sights.row[k]) + trials[i].column[trial]);
       }
       for (std::size_t i = 0; i < together; ++i) {
         const std::size_t k = scouted[first + i];

@@ -12,6 +12,7 @@
 #define HWY_TARGET_INCLUDE "flies/evolve/kernels/spawn.cpp"
 // Vectors without a compile-time size: the last vectors of a block could reach beyond it.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -128,6 +129,9 @@ void SpawnFlies(const SpawnSearch& search, std::uint32_t first_fly, std::size_t 
         for (std::size_t w = 0; w < 3; ++w) draws.words[w][k] = words[w];
       }
       for (std::size_t k = 0; k < left; k += hn::MaxLanes(D())) place(search, draws, k);
+      // Large images lie in the third level cache: the CPU cannot look far enough ahead by itself.
+      for (std::size_t k = 0; k < left; ++k)
+        hwy::Prefetch(search.left.row(std::max(draws.row[k], 0)) + std::max(draws.column[k], 0));
       // No branches, which would be mispredicted: every fly takes its last draw, some will draw again.
       for (std::size_t k = 0; k < left; ++k) {
         const auto fly = pending[k];
