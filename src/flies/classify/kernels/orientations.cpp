@@ -43,12 +43,10 @@ HWY_INLINE V half_turns(V x, V y) {
   return hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Sub(hn::Set(d, 1.0F), acute), acute);
 }
 
-/// Of one row of pixels: which orientation each gradient is nearest below, and what it gives to that and to the next.
-struct Votes {
-  hn::Vec<D> bin, here, next;
-};
-
-HWY_INLINE Votes votes_of(const float* above, const float* here, const float* below, float bins) {
+/// Of one row of pixels: which orientation each gradient is at or above, and what it gives to that and to the next.
+template <class V>
+HWY_INLINE void vote(const float* above, const float* here, const float* below, float bins, V& bin, V& to_bin,
+                     V& to_next) {
   const D d;
   const auto one = hn::Set(d, 1.0F), zero = hn::Zero(d);
   const auto du = hn::Sub(hn::LoadU(d, here + 1), hn::LoadU(d, here - 1));
@@ -58,10 +56,11 @@ HWY_INLINE Votes votes_of(const float* above, const float* here, const float* be
   const auto x = hn::IfThenElse(hn::Lt(dv, zero), hn::Neg(du), du);
   // In bins, from the centre of the first, on a ring of `bins`: -0.5 to `bins` - 0.5.
   const auto place = hn::Sub(hn::Mul(half_turns(x, hn::Abs(dv)), hn::Set(d, bins)), hn::Set(d, 0.5F));
-  const auto bin = hn::Floor(place), distance = hn::Sub(place, bin), next = hn::Sub(place, hn::Add(bin, one));
+  const auto lower = hn::Floor(place);
   // The last bin is the neighbour of the first.
-  return {hn::IfThenElse(hn::Lt(bin, zero), hn::Set(d, bins - 1.0F), bin), hn::Mul(magnitude, hn::Sub(one, distance)),
-          hn::Mul(magnitude, hn::Add(one, next))};
+  bin = hn::IfThenElse(hn::Lt(lower, zero), hn::Set(d, bins - 1.0F), lower);
+  to_bin = hn::Mul(magnitude, hn::Sub(one, hn::Sub(place, lower)));
+  to_next = hn::Mul(magnitude, hn::Add(one, hn::Sub(place, hn::Add(lower, one))));
 }
 
 template <std::size_t kSums>
@@ -70,19 +69,18 @@ HWY_ATTR void add_votes(const float* const* rows, std::size_t width, int bins, s
   const D d;
   const auto last = static_cast<float>(bins - 1);
   for (std::size_t u = 0; u < width; u += kLanes) {
-    Votes votes[kRowsAtOnce];
-    hn::Mask<D> is_last[kRowsAtOnce];
+    hn::Vec<D> bins_of[kRowsAtOnce], to_bin[kRowsAtOnce], to_next[kRowsAtOnce];
+    hn::Mask<D> is_before[kRowsAtOnce];  // in the bin before the one at hand; before the first comes the last
     for (std::size_t r = 0; r < kRowsAtOnce; ++r) {
-      votes[r] = votes_of(rows[r] + u, rows[r + 1] + u, rows[r + 2] + u, last + 1.0F);
-      is_last[r] = hn::Eq(votes[r].bin, hn::Set(d, last));
+      vote(rows[r] + u, rows[r + 1] + u, rows[r + 2] + u, last + 1.0F, bins_of[r], to_bin[r], to_next[r]);
+      is_before[r] = hn::Eq(bins_of[r], hn::Set(d, last));
     }
-    auto is_before = is_last;
     std::size_t i = u;
     for (float bin = 0.0F; bin <= last; bin += 1.0F, i += plane_size) {
       hn::Vec<D> shares[kRowsAtOnce];
       for (std::size_t r = 0; r < kRowsAtOnce; ++r) {
-        const auto is_here = hn::Eq(votes[r].bin, hn::Set(d, bin));
-        shares[r] = hn::IfThenElse(is_before[r], votes[r].next, hn::IfThenElseZero(is_here, votes[r].here));
+        const auto is_here = hn::Eq(bins_of[r], hn::Set(d, bin));
+        shares[r] = hn::IfThenElse(is_before[r], to_next[r], hn::IfThenElseZero(is_here, to_bin[r]));
         is_before[r] = is_here;
       }
       for (std::size_t k = 0; k < kSums; ++k) {
