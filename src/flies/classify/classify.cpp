@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -71,6 +72,76 @@ std::vector<double> screen(PeopleLooks& looks, std::span<const Roi> rois, bool l
   return probabilities;
 }
 
+/// Those above the threshold.
+std::vector<std::size_t> surest_first(std::span<const double> probabilities, double threshold) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < probabilities.size(); ++i)
+    if (probabilities[i] > threshold) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return probabilities[a] > probabilities[b]; });
+  return order;
+}
+
+std::vector<double> values_at(std::span<const double> values, std::span<const std::size_t> indices) {
+  std::vector<double> result;
+  for (const std::size_t i : indices) result.push_back(values[i]);
+  return result;
+}
+
+/// The surest boxes of one obstacle that show the same part of the image as the surest one of all, itself first.
+std::vector<std::size_t> boxes_around(std::size_t surest, std::span<const std::size_t> by_probability,
+                                      std::span<const Roi> rois, const ClassifyOptions& options) {
+  std::vector<std::size_t> boxes{surest};
+  for (const std::size_t i : by_probability) {
+    if (boxes.size() >= static_cast<std::size_t>(options.second_looks)) break;
+    if (i != surest && rois[i].obstacle == rois[surest].obstacle &&
+        overlap(rois[i].person, rois[surest].person) > options.max_overlap)
+      boxes.push_back(i);
+  }
+  return boxes;
+}
+
+/// What the surest of the boxes at one place say together: the mean of their log-odds.
+/// @param missing what each vote says for which there is no box, because the first look let fewer through
+double agreed(std::vector<double> probabilities, double missing, const ClassifyOptions& options) {
+  constexpr double kNearlyZero = 1e-12;  // keeps log-odds finite
+  std::sort(probabilities.begin(), probabilities.end(), std::greater<>());
+  probabilities.resize(static_cast<std::size_t>(std::min(options.votes, options.second_looks)), missing);
+  double sum = 0.0;
+  for (const double probability : probabilities)
+    sum += std::log(std::max(probability, kNearlyZero) / std::max(1.0 - probability, kNearlyZero));
+  return 1.0 / (1.0 + std::exp(-sum / static_cast<double>(probabilities.size())));
+}
+
+/// The last word.
+struct Verdicts {
+  std::vector<double> of_boxes;   ///< 0 for those that were not looked at
+  std::vector<double> of_places;  ///< in their order
+};
+
+/// The second look, at a few boxes of every place. A person looks like one in the boxes beside the best one too; what
+/// only resembles a person does so in a box or two.
+/// @param places         the surest box of each
+/// @param screened        by the first look
+/// @param first_threshold that lets boxes through
+Verdicts look_again(PeopleLooks& looks, std::span<const Roi> rois, std::span<const std::size_t> places,
+                    std::span<const double> screened, double first_threshold, const ClassifyOptions& options) {
+  const auto by_probability = surest_first(screened, first_threshold);
+  std::vector<std::vector<std::size_t>> boxes;
+  std::set<std::size_t> chosen;
+  for (const std::size_t surest : places) {
+    boxes.push_back(boxes_around(surest, by_probability, rois, options));
+    chosen.insert(boxes.back().begin(), boxes.back().end());
+  }
+  const std::vector<std::size_t> all(chosen.begin(), chosen.end());
+  const auto probabilities = looks.classify(all);
+  Verdicts verdicts{std::vector<double>(rois.size(), 0.0), {}};
+  for (std::size_t k = 0; k < all.size(); ++k) verdicts.of_boxes[all[k]] = probabilities[k];
+  for (const auto& of_place : boxes)
+    verdicts.of_places.push_back(agreed(values_at(verdicts.of_boxes, of_place), first_threshold, options));
+  return verdicts;
+}
+
 /// Where the person is between the boxes that were tried: the mean of those of its obstacle that cover the same part of
 /// the image, weighted by their odds.
 Roi averaged(const Roi& surest, std::span<const Roi> rois, std::span<const double> probabilities,
@@ -108,13 +179,8 @@ double report_threshold(const PeopleClassifier& classifier, const ClassifyOption
 std::vector<std::size_t> suppress_in_metres(std::span<const Roi> rois, std::span<const double> probabilities,
                                             double threshold, const ClassifyOptions& options) {
   assert(rois.size() == probabilities.size());
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < rois.size(); ++i)
-    if (probabilities[i] > threshold) order.push_back(i);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return probabilities[a] > probabilities[b]; });
   std::vector<std::size_t> kept;
-  for (const std::size_t i : order)
+  for (const std::size_t i : surest_first(probabilities, threshold))
     if (std::none_of(kept.begin(), kept.end(),
                      [&](std::size_t surer) { return same_person(rois[surer], rois[i], options); }))
       kept.push_back(i);
@@ -130,15 +196,16 @@ ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, cons
   const double threshold = report_threshold(classifier, options);
   const double first_threshold =
       classifier.looks_twice() ? std::max(classifier.screen_threshold(), options.min_first_probability) : threshold;
-
-  const auto chosen = suppress_in_metres(rois, result.screened, first_threshold, options);
+  const auto places = suppress_in_metres(rois, result.screened, first_threshold, options);
+  const Verdicts verdicts = classifier.looks_twice()
+                                ? look_again(*looks, rois, places, result.screened, first_threshold, options)
+                                : Verdicts{result.screened, values_at(result.screened, places)};
   std::vector<Roi> candidates;
-  for (const std::size_t i : chosen) candidates.push_back(rois[i]);
-  const auto probabilities = looks->classify(chosen);
-  for (const std::size_t i : suppress_in_metres(candidates, probabilities, threshold, options)) {
-    const Roi roi = averaged(candidates[i], rois, result.screened, options);
+  for (const std::size_t i : places) candidates.push_back(rois[i]);
+  for (const std::size_t i : suppress_in_metres(candidates, verdicts.of_places, threshold, options)) {
+    const Roi roi = averaged(candidates[i], rois, verdicts.of_boxes, options);
     result.pedestrians.push_back(
-        {roi.x_m, roi.y_m, std::hypot(roi.x_m, roi.y_m), roi.height_m, probabilities[i], roi.person});
+        {roi.x_m, roi.y_m, std::hypot(roi.x_m, roi.y_m), roi.height_m, verdicts.of_places[i], roi.person});
   }
   std::stable_sort(result.pedestrians.begin(), result.pedestrians.end(),
                    [](const auto& a, const auto& b) { return a.range_m < b.range_m; });

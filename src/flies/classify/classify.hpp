@@ -13,12 +13,14 @@
 namespace flies {
 
 struct ClassifyOptions {
-  double threshold_offset = 2.0;
+  double threshold_offset = 0.2;
   double lateral_radius_m = 0.4;
   double depth_radius = 0.15;
   double max_overlap = 0.6;
   double min_first_probability = 0.02;
   double min_middle_probability = 0.005;
+  int second_looks = 5;
+  int votes = 3;
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
@@ -39,6 +41,12 @@ struct ClassifyOptions {
         "min_middle_probability", self.min_middle_probability, Range{0.0, 1.0},
         "an obstacle whose boxes of the middle height are all less probable than this at the first of two looks is no "
         "person, and its other heights are not looked at; 0 looks at all");
+    field("second_looks", self.second_looks, Range{1, 1000},
+          "boxes at each place that are shown to a model's second stage, the surest at first look");
+    field(
+        "votes", self.votes, Range{1, 1000},
+        "of those the surest by the second stage, whose mean log-odds are the verdict; where the first look let fewer "
+        "through, the missing ones say what it asks for at least");
   }
 };
 

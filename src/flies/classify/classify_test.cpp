@@ -132,7 +132,9 @@ TEST(FindPeople, LetsTheLastWordDecide) {
   rois[1].obstacle = 1;
   rois[0].window.u_px = -1.0;
   rois[1].window.u_px = 1.0;
-  const ClassifyResult result = find_people({}, rois, SecondThoughts(), without_offset());
+  ClassifyOptions options = without_offset();
+  options.votes = 1;
+  const ClassifyResult result = find_people({}, rois, SecondThoughts(), options);
   EXPECT_EQ(result.screened, (std::vector<double>{0.2, 0.2}));
   ASSERT_EQ(result.pedestrians.size(), 1U);
   EXPECT_DOUBLE_EQ(result.pedestrians[0].y_m, 4.0);
@@ -191,6 +193,81 @@ TEST(FindPeople, PlacesThePersonBetweenTheBoxesOfItsObstacleByTheirOdds) {
   EXPECT_NEAR(found[0].height_m, 0.75 * 1.6 + 0.25 * 1.9, 1e-9);
   EXPECT_NEAR(found[0].box.height_px, 0.75 * rois[0].person.height_px + 0.25 * rois[1].person.height_px, 1e-9);
   EXPECT_DOUBLE_EQ(found[0].probability, 0.9);
+}
+
+/// Its first look falls from window to window, its second is as the test wants it, in the order of the windows.
+class TwoLooks final : public PeopleClassifier {
+ public:
+  explicit TwoLooks(std::vector<double> second) : second_(std::move(second)) {}
+  const std::string& name() const override { return name_; }
+  double threshold() const override { return 0.5; }
+  bool looks_twice() const override { return true; }
+  double screen_threshold() const override { return 0.1; }
+  std::vector<double> screen(const GrayView&, std::span<const ImageBox> windows) const override {
+    std::vector<double> result;
+    for (const ImageBox& window : windows) result.push_back(0.9 - 0.01 * window.u_px);
+    return result;
+  }
+  std::vector<double> classify(const GrayView&, std::span<const ImageBox> windows) const override {
+    windows_seen += windows.size();
+    std::vector<double> result;
+    for (const ImageBox& window : windows) result.push_back(second_[static_cast<std::size_t>(window.u_px)]);
+    return result;
+  }
+  mutable std::size_t windows_seen = 0;
+
+ private:
+  std::string name_ = "two looks";
+  std::vector<double> second_;
+};
+
+/// As many boxes over each other at two places.
+std::vector<Roi> boxes_at_two_places(std::size_t at_each) {
+  std::vector<Roi> rois;
+  for (std::size_t i = 0; i < 2 * at_each; ++i) {
+    const std::size_t place = i / at_each;
+    rois.push_back(person(10, 4.0 * static_cast<double>(place), 1.6 + 0.01 * static_cast<double>(i % at_each)));
+    rois.back().window.u_px = static_cast<double>(i);
+    rois.back().obstacle = place;
+  }
+  return rois;
+}
+
+TEST(FindPeople, BelievesBoxesThatAgree) {
+  ClassifyOptions options = without_offset();
+  options.second_looks = 4;
+  options.votes = 3;
+  const TwoLooks classifier({0.1, 0.8, 0.8, 0.8, 0.95, 0.1, 0.1, 0.1});
+  const auto rois = boxes_at_two_places(4);
+  const auto agreed = find_people({}, rois, classifier, options).pedestrians;
+  ASSERT_EQ(agreed.size(), 1U);
+  EXPECT_NEAR(agreed[0].y_m, 0.0, 1e-9);
+  EXPECT_NEAR(agreed[0].probability, 0.8, 1e-9);
+  options.votes = 1;
+  EXPECT_EQ(find_people({}, rois, classifier, options).pedestrians.size(), 2U);
+  options.votes = 2;  // the mean log-odds of 0.95 and 0.1, 2.94 and -2.20
+  const auto two = find_people({}, rois, classifier, options).pedestrians;
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_NEAR(two[1].probability, 1.0 / (1.0 + std::exp(-(std::log(19.0) - std::log(9.0)) / 2.0)), 1e-9);
+}
+
+TEST(FindPeople, CountsBoxesThatTheFirstLookRefusedAgainstAPlace) {
+  ClassifyOptions options = without_offset();
+  options.second_looks = 2;
+  options.votes = 2;
+  EXPECT_EQ(find_people({}, boxes_at_two_places(1), TwoLooks({0.8, 0.95}), options).pedestrians.size(), 1U)
+      << "0.1, which the first look asks for, outweighs 0.8, not 0.95";
+}
+
+TEST(FindPeople, LooksTwiceAtAFewBoxesOfAPlace) {
+  ClassifyOptions options = without_offset();
+  options.second_looks = 3;
+  const TwoLooks classifier({0.6, 0.6, 0.6, 0.99, 0.6, 0.6, 0.6, 0.99});
+  const auto people = find_people({}, boxes_at_two_places(4), classifier, options).pedestrians;
+  EXPECT_EQ(classifier.windows_seen, 6U);
+  ASSERT_EQ(people.size(), 2U);
+  EXPECT_NEAR(people[0].probability, 0.6, 1e-9);
+  EXPECT_NEAR(people[0].height_m, 1.61, 1e-9) << "the mean of what was looked at";
 }
 
 TEST(ReportThreshold, StaysAProbability) {
