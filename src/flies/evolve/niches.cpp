@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -47,12 +48,19 @@ void share_fitness(std::span<const float> fitness, std::span<const float> crowdi
 void find_rivalled(const ImagePopulation& flies, int width_px, int height_px, const UniquenessOptions& options,
                    UniquenessGrid& grid, std::vector<std::uint8_t>& rivalled) {
   const Cells cells(width_px, height_px, options.reach_u_px, options.reach_v_px);
-  const auto search = [&](float shift, UniquenessGrid::OfImage& image) {
-    image.fittest.resize(cells.size() + 2);
-    image.looks.resize(flies.size());
-    image.cell_of_fly.resize(flies.size());
-    image.listed.resize(flies.size() + 1);
-    image.rivalled.assign(flies.size(), 0);
+  for (auto& memory : grid.searches) {
+    memory.fittest.resize(cells.size() + 2);
+    memory.looks.resize(flies.size());
+    memory.cell_of_fly.resize(flies.size());
+    memory.listed.resize(flies.size() + 1);
+    memory.rivalled.assign(flies.size(), 0);
+  }
+  std::atomic<bool> first_is_used = false;
+  const auto search = [&](float shift) {
+    // On one thread both searches use the memory that the caches hold already, and the second one skips the flies that
+    // the first one marked.
+    const bool is_first = !first_is_used.exchange(true);
+    auto& memory = grid.searches[is_first ? 0 : 1];
     kernels::mark_rivalled({.fitness = flies.fitness.data(),
                             .u_px = flies.u_px.data(),
                             .v_px = flies.v_px.data(),
@@ -64,15 +72,17 @@ void find_rivalled(const ImagePopulation& flies, int width_px, int height_px, co
                             .reach_v_px = static_cast<float>(options.reach_v_px),
                             .disparity_gap_px = static_cast<float>(options.disparity_px),
                             .margin = static_cast<float>(options.margin),
-                            .looks = image.looks.data(),
-                            .cell_of_fly = image.cell_of_fly.data(),
-                            .listed = image.listed.data(),
-                            .fittest = image.fittest.data()},
-                           image.rivalled.data());
+                            .looks = memory.looks.data(),
+                            .cell_of_fly = memory.cell_of_fly.data(),
+                            .listed = memory.listed.data(),
+                            .fittest = memory.fittest.data()},
+                           memory.rivalled.data());
+    if (is_first) first_is_used = false;
   };
-  tbb::parallel_invoke([&] { search(0.0F, grid.left); }, [&] { search(1.0F, grid.right); });
+  tbb::parallel_invoke([&] { search(0.0F); }, [&] { search(1.0F); });
+  const auto& [first, second] = grid.searches;
   rivalled.resize(flies.size());
-  std::transform(grid.left.rivalled.begin(), grid.left.rivalled.end(), grid.right.rivalled.begin(), rivalled.begin(),
+  std::transform(first.rivalled.begin(), first.rivalled.end(), second.rivalled.begin(), rivalled.begin(),
                  std::bit_or<std::uint8_t>());
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -32,13 +33,13 @@ void share_fitness(std::span<const float> fitness, std::span<const float> crowdi
 
 /// Memory of `find_rivalled`. The cells have no fitness between calls.
 struct UniquenessGrid {
-  struct OfImage {
+  struct OfSearch {
     std::vector<kernels::Look> fittest;  ///< of each cell
     std::vector<kernels::Look> looks;
     std::vector<std::uint32_t> cell_of_fly, listed;
     std::vector<std::uint8_t> rivalled;
   };
-  OfImage left, right;
+  std::array<OfSearch, 2> searches;  ///< the second only while the first is in use
 };
 
 /// Uniqueness: a pixel shows one surface. For every fly, whether a fitter fly of clearly other disparity looks at
