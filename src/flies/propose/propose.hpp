@@ -32,7 +32,7 @@ struct ProposeOptions {
   int vertical_shifts = 1;
   double step = 1.0 / 12.0;
   double person_share = 0.75;
-  double min_person_px = 50.0;
+  double min_person_px = 45.0;
   double min_obstacle_height_m = 0.6;
   double merge_step = 0.05;
 
