@@ -18,6 +18,9 @@ constexpr double kFarQuantile = 0.85;
 /// Parts whose gaps are below this share of those allowed are taken for one surface.
 constexpr double kSurfaceGap = 0.5;
 
+/// Room for more neighbours than a part has in a street.
+constexpr std::size_t kNeighboursAPart = 32;
+
 /// A separation that keeps parts apart.
 constexpr double kApart = std::numeric_limits<double>::infinity();
 
@@ -70,15 +73,16 @@ double gap(double low_a, double high_a, double low_b, double high_b) {
   return std::max({0.0, low_b - high_a, low_a - high_b});
 }
 
-/// How far two parts are apart, as a share of the gaps that are allowed inside an object; `kApart` when they cannot
-/// belong together.
-double separation(const Part& a, const Part& b, const Sightings& flies, const AssembleOptions& options) {
+double lateral_gap_m(const Extent& a, const Extent& b) {
+  return std::min(a.near_m, b.near_m) * gap(a.right_rad, a.left_rad, b.right_rad, b.left_rad);
+}
+
+/// The separation of two parts that are not too far apart across.
+double separation_of_neighbours(const Part& a, const Part& b, const Sightings& flies, const AssembleOptions& options) {
   const Extent &ea = a.extent, &eb = b.extent;
   const double near_m = std::min(ea.near_m, eb.near_m), far_m = std::max(ea.far_m, eb.far_m);
-  const double lateral_gap_m = near_m * gap(ea.right_rad, ea.left_rad, eb.right_rad, eb.left_rad);
-  if (lateral_gap_m > options.lateral_gap_m) return kApart;  // as most pairs are
   const double depth = gap(ea.near_m, ea.far_m, eb.near_m, eb.far_m) / (options.depth_gap_share * near_m);
-  const double lateral = lateral_gap_m / options.lateral_gap_m;
+  const double lateral = lateral_gap_m(ea, eb) / options.lateral_gap_m;
   if (!(depth <= 1.0 && lateral <= 1.0)) return kApart;
 
   const double width_m = near_m * (std::max(ea.left_rad, eb.left_rad) - std::min(ea.right_rad, eb.right_rad));
@@ -93,6 +97,13 @@ double separation(const Part& a, const Part& b, const Sightings& flies, const As
   return std::hypot(depth, lateral);
 }
 
+/// How far two parts are apart, as a share of the gaps that are allowed inside an object; `kApart` when they cannot
+/// belong together, as most cannot.
+inline double separation(const Part& a, const Part& b, const Sightings& flies, const AssembleOptions& options) {
+  return lateral_gap_m(a.extent, b.extent) > options.lateral_gap_m ? kApart
+                                                                   : separation_of_neighbours(a, b, flies, options);
+}
+
 }  // namespace
 
 void ObjectParts::reserve(std::size_t flies, std::size_t candidates) {
@@ -101,8 +112,7 @@ void ObjectParts::reserve(std::size_t flies, std::size_t candidates) {
   values_.reserve(flies);
   for (auto* chain : {&farther_, &farther_left_, &higher_}) chain->reserve(flies);
   order_.reserve(flies);
-  separations_.reserve(candidates * candidates);
-  closest_.reserve(candidates);
+  neighbours_.reserve(kNeighboursAPart * candidates);
 }
 
 void ObjectParts::measure(Part& part, double near_quantile) const {
@@ -174,38 +184,23 @@ void ObjectParts::join(Part& part, Part& other, double near_quantile) {
 }
 
 void ObjectParts::join(const AssembleOptions& options) {
-  // Row a holds the separations of part a from the parts after it, of which the closest is noted; a join changes one
-  // row and two columns.
-  const std::size_t count = parts_.size();
-  separations_.assign(count * count, kApart);
-  closest_.assign(count, 0);
-  const auto apart = [&](std::size_t a, std::size_t b) -> double& {
-    return separations_[std::min(a, b) * count + std::max(a, b)];
+  const auto count = static_cast<std::uint32_t>(parts_.size());
+  const auto note = [&](std::uint32_t first, std::uint32_t second) {
+    const double apart = separation(parts_[first], parts_[second], *flies_, options);
+    if (apart < kApart) neighbours_.push_back({apart, first, second});
   };
-  const auto least = [&](std::size_t row) { return separations_[row * count + closest_[row]]; };
-  const auto find_closest = [&](std::size_t row) {
-    const double* separations = &separations_[row * count];
-    closest_[row] = static_cast<std::size_t>(std::min_element(separations, separations + count) - separations);
-  };
-  for (std::size_t a = 0; a < count; ++a) {
-    for (std::size_t b = a + 1; b < count; ++b) apart(a, b) = separation(parts_[a], parts_[b], *flies_, options);
-    find_closest(a);
-  }
-  while (count > 0) {
-    std::size_t a = 0;
-    for (std::size_t row = 1; row < count; ++row)
-      if (least(row) < least(a)) a = row;
-    const std::size_t b = closest_[a];
-    if (least(a) == kApart) break;
-    join(parts_[a], parts_[b], options.near_quantile);
-    for (std::size_t k = 0; k < count; ++k) {
-      if (k != b) apart(k, b) = kApart;
-      if (k != a && parts_[k].flies > 0) apart(k, a) = separation(parts_[k], parts_[a], *flies_, options);
-    }
-    for (std::size_t row = 0; row < b; ++row) {
-      const bool is_new_closest = row < a && apart(row, a) <= least(row) && apart(row, a) < kApart;
-      if (row == a || closest_[row] == a || closest_[row] == b || is_new_closest) find_closest(row);
-    }
+  neighbours_.clear();
+  for (std::uint32_t first = 0; first < count; ++first)
+    for (std::uint32_t second = first + 1; second < count; ++second) note(first, second);
+  while (!neighbours_.empty()) {
+    const auto [apart, first, second] = *std::min_element(neighbours_.begin(), neighbours_.end());
+    join(parts_[first], parts_[second], options.near_quantile);
+    const auto is_old = [first = first, second = second](const Neighbours& pair) {
+      return pair.first == first || pair.second == first || pair.first == second || pair.second == second;
+    };
+    std::erase_if(neighbours_, is_old);
+    for (std::uint32_t other = 0; other < count; ++other)
+      if (other != first && parts_[other].flies > 0) note(std::min(first, other), std::max(first, other));
   }
   std::erase_if(parts_, [](const Part& part) { return part.flies == 0; });
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -62,6 +63,13 @@ class ObjectParts {
   }
 
  private:
+  /// Parts that may belong together. The closest is least, of equally close ones that of the first parts.
+  struct Neighbours {
+    double separation;
+    std::uint32_t first, second;
+
+    auto operator<=>(const Neighbours&) const = default;
+  };
   using Chain = std::vector<std::uint32_t>;  ///< the next fly after each, or kNone
 
   void measure(Part& part, double near_quantile) const;
@@ -73,8 +81,7 @@ class ObjectParts {
   std::vector<std::uint32_t> owned_;  ///< the flies that a part owns, and a value of each
   std::vector<float> values_;
   AscendingOrder order_;
-  std::vector<double> separations_;
-  std::vector<std::size_t> closest_;
+  std::vector<Neighbours> neighbours_;
 };
 
 }  // namespace flies
