@@ -172,7 +172,8 @@ Roi averaged(const Roi& surest, std::span<const Roi> rois, std::span<const doubl
 }  // namespace
 
 double report_threshold(const PeopleClassifier& classifier, const ClassifyOptions& options) {
-  const double odds = classifier.threshold() / (1.0 - classifier.threshold()) * std::exp(options.threshold_offset);
+  const double offset = classifier.looks_twice() ? options.threshold_offset : options.one_stage_threshold_offset;
+  const double odds = classifier.threshold() / (1.0 - classifier.threshold()) * std::exp(offset);
   return std::isinf(odds) ? 1.0 : odds / (1.0 + odds);
 }
 

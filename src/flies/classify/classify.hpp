@@ -14,6 +14,7 @@ namespace flies {
 
 struct ClassifyOptions {
   double threshold_offset = 0.2;
+  double one_stage_threshold_offset = 2.0;
   double lateral_radius_m = 0.4;
   double depth_radius = 0.15;
   double max_overlap = 0.6;
@@ -25,9 +26,11 @@ struct ClassifyOptions {
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("threshold_offset", self.threshold_offset, Range{-100.0, 100.0},
-          "added to the model's threshold, in log-odds: higher reports fewer people and fewer false alarms; boxes of "
-          "flies "
-          "stand on textured things, which look more like people than the windows that thresholds come from");
+          "added to the threshold of a model of two stages, in log-odds: higher reports fewer people and fewer false "
+          "alarms; boxes of flies stand on textured things, which look more like people than the windows that "
+          "thresholds come from");
+    field("one_stage_threshold_offset", self.one_stage_threshold_offset, Range{-100.0, 100.0},
+          "the same for a model of one stage, whose verdicts are single boxes");
     field("lateral_radius_m", self.lateral_radius_m, Range{0.0, 5.0},
           "of two verdicts closer than this across the line of sight, and close in depth, the surer is kept");
     field("depth_radius", self.depth_radius, Range{0.0, 1.0},
@@ -63,7 +66,8 @@ struct ClassifyResult {
 ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, const PeopleClassifier& classifier,
                            const ClassifyOptions& options);
 
-/// The probability above which a window is reported: the classifier's threshold with `options.threshold_offset`.
+/// The probability above which a window is reported: the classifier's threshold with the offset of `options` for such
+/// a model.
 double report_threshold(const PeopleClassifier& classifier, const ClassifyOptions& options);
 
 /// One verdict per person: ROI above the threshold compete, the surest first, with those that stand at the same place

@@ -40,7 +40,7 @@ class FixedClassifier final : public PeopleClassifier {
 
 ClassifyOptions without_offset() {
   ClassifyOptions options;
-  options.threshold_offset = 0.0;
+  options.threshold_offset = options.one_stage_threshold_offset = 0.0;
   return options;
 }
 
@@ -99,7 +99,7 @@ TEST(FindPeople, ComparesWithTheThresholdAndItsOffset) {
   EXPECT_EQ(find({person(10, 0)}, {0.5}).size(), 0U) << "the probability must exceed the threshold";
   EXPECT_EQ(find({person(10, 0)}, {0.6}).size(), 1U);
   ClassifyOptions options;
-  options.threshold_offset = std::log(2.0);  // 1 : 1 becomes 2 : 1;
+  options.threshold_offset = options.one_stage_threshold_offset = std::log(2.0);  // 1 : 1 becomes 2 : 1;
   EXPECT_EQ(find({person(10, 0)}, {0.6}, options).size(), 0U);
 }
 
@@ -274,13 +274,21 @@ TEST(ReportThreshold, StaysAProbability) {
   const FixedClassifier classifier({});
   const auto with_offset = [&](double offset) {
     ClassifyOptions options;
-    options.threshold_offset = offset;
+    options.threshold_offset = options.one_stage_threshold_offset = offset;
     return report_threshold(classifier, options);
   };
   EXPECT_DOUBLE_EQ(with_offset(0.0), 0.5);
   EXPECT_DOUBLE_EQ(with_offset(std::log(3.0)), 0.75);
   EXPECT_LE(with_offset(100.0), 1.0);
   EXPECT_GE(with_offset(-100.0), 0.0);
+}
+
+TEST(ReportThreshold, HasAnOffsetOfItsOwnForModelsOfOneStage) {
+  ClassifyOptions options;
+  options.threshold_offset = 0.0;
+  options.one_stage_threshold_offset = std::log(3.0);
+  EXPECT_DOUBLE_EQ(report_threshold(FixedClassifier({}), options), 0.75);
+  EXPECT_DOUBLE_EQ(report_threshold(TwoLooks({}), options), 0.5);
 }
 
 }  // namespace

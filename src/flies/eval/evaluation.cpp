@@ -141,7 +141,7 @@ Method flies_method(const std::string& name, const DetectorOptions& options, int
   Method method{name, {}};
   method.people_threshold = report_threshold(*classifier, options.classify);
   ClassifyOptions for_curve = options.classify;
-  for_curve.threshold_offset = -kAllVerdicts;
+  for_curve.threshold_offset = for_curve.one_stage_threshold_offset = -kAllVerdicts;
   for (int i = 0; i < seeds; ++i) {
     DetectorOptions of_run = options;
     of_run.seed += static_cast<std::uint64_t>(i);

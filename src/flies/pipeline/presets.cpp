@@ -26,7 +26,6 @@ DetectorOptions paper_options() {
   o.evolve.mutation = {.image_px = 4.0, .disparity_px = 1.6, .cooling = 1.0};
   o.evolve.uniqueness.enforce = false;
   o.evolve.refine.share = 0.0;
-  o.classify.threshold_offset = 2.0;  // for a model of one stage
   o.propose.heights = 3;
   o.propose.step = 2.0 / 12.0;
   o.propose.vertical_shifts = 0;
