@@ -1,5 +1,7 @@
 #include "flies/concentrate/concentrate.hpp"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 
 #include "flies/concentrate/kernels/kernel_sums.hpp"
@@ -54,10 +56,15 @@ const ConcentrateResult& Concentrator::concentrate(const Population& flies, cons
   auto& [axis, view_angles, shifted, candidates, obstacles, obstacle_of_fly] = result_;
   reserve(flies.size(), options);
   sighter_.sight(flies, road, field, sightings_);
-  sample_histograms(sightings_, field, options, fullest_, axis, view_angles);
-  drop_flies(sightings_, projection, road, dropped_);
-  grid_.fill(dropped_, kernels::kKernelReach * options.bandwidth_px);
-  project_samples(view_angles, projection, road, shifted);
+  tbb::parallel_invoke(
+      [&] {
+        sample_histograms(sightings_, field, options, fullest_, axis, view_angles);
+        project_samples(view_angles, projection, road, shifted);
+      },
+      [&] {
+        drop_flies(sightings_, projection, road, dropped_);
+        grid_.fill(dropped_, kernels::kKernelReach * options.bandwidth_px);
+      });
   shift_means(grid_, options, shifted);
   ends_.clear();
   for (const auto& point : shifted) ends_.push_back(point.end);
