@@ -72,6 +72,7 @@ flies::DetectorOptions proposing(const flies::TrainOptions& options) {
   detector.seed = options.seed;
   detector.threads = options.threads;
   detector.propose.person_share = options.positives.person_share;
+  detector.propose.min_person_px = options.negatives.min_proposed_px;
   return detector;
 }
 

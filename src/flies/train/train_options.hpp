@@ -45,6 +45,7 @@ struct NegativeOptions {
   int per_picture = 200;
   int validation_per_picture = 2000;
   double min_height_px = 80.0;
+  double min_proposed_px = 50.0;
   double hard_above = -1.0;
   double max_overlap = 0.3;
 
@@ -60,6 +61,8 @@ struct NegativeOptions {
     field("validation_per_picture", self.validation_per_picture, Range{1, 1000000},
           "windows drawn from every picture kept apart, for calibration, threshold and report");
     field("min_height_px", self.min_height_px, Range{8.0, 4096.0}, "lowest of these windows");
+    field("min_proposed_px", self.min_proposed_px, Range{8.0, 4096.0},
+          "lowest persons that the flies propose boxes of on stereo pairs; lower ones are blurred by enlarging");
     field("hard_above", self.hard_above, Range{-10.0, 10.0},
           "score above which a window is hard; -1 is the margin, windows below it do not change a machine");
     field("max_overlap", self.max_overlap, Range{0.0, 1.0},
