@@ -13,6 +13,7 @@
 #include "flies/core/gray_view.hpp"
 #include "flies/core/options.hpp"
 #include "flies/core/results.hpp"
+#include "flies/core/scan.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/evolve/evolve.hpp"
 #include "flies/fitness/fitness.hpp"
@@ -69,6 +70,7 @@ void check_detector_options(const DetectorOptions& options, const std::string& s
 struct Detection {
   std::vector<Obstacle> obstacles;      ///< nearest first
   std::vector<Pedestrian> pedestrians;  ///< nearest first
+  Scan scan;                            ///< the nearest obstacle in every direction, and where the ground is free
   StageTimes_ms stage_ms{};
 
   RoadResult road;
