@@ -3,6 +3,7 @@
 #include <array>
 #include <string_view>
 
+#include "flies/concentrate/whole_obstacles.hpp"
 #include "flies/core/options.hpp"
 
 namespace flies {
@@ -74,6 +75,7 @@ struct ConcentrateOptions {
   double min_density = 0.0;
   double min_density_share = 0.02;
   AssembleOptions assemble;
+  WholeOptions whole;
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
@@ -87,6 +89,7 @@ struct ConcentrateOptions {
     field("min_density_share", self.min_density_share, Range{0, 1},
           "the same as a share of the strongest candidate's density");
     field("assemble", self.assemble);
+    field("whole", self.whole);
   }
 };
 

@@ -37,8 +37,9 @@ struct Pedestrian {
 };
 
 /// The stages of the pipeline in order. Their names key the timings in JSON, the benchmark rows and the docs.
-enum class Stage { road, evolve, concentrate, propose, classify };
-inline constexpr std::array<std::string_view, 5> kStageNames = {"road", "evolve", "concentrate", "propose", "classify"};
+enum class Stage { road, evolve, scan, concentrate, propose, classify };
+inline constexpr std::array<std::string_view, 6> kStageNames = {"road",        "evolve",  "scan",
+                                                                "concentrate", "propose", "classify"};
 inline constexpr std::size_t kStageCount = kStageNames.size();
 
 /// Wall-clock time of each stage in milliseconds, indexed by `Stage`.

@@ -108,6 +108,17 @@ Point3 Projection::triangulate(const StereoPoint& point) const {
           m[0][2] * depth + m[1][2] * left_m + m[2][2] * up_m + height_m_};
 }
 
+double Projection::road_parallax_px(double u_px, double v_px, const RoadPlane& road) const {
+  const double left = (cx_px_ - u_px) / fx_px_;
+  const double up = (cy_px_ - v_px) / fy_px_;
+  const auto& m = camera_from_vehicle_;
+  const double x = m[0][0] + m[1][0] * left + m[2][0] * up;
+  const double y = m[0][1] + m[1][1] * left + m[2][1] * up;
+  const double z = m[0][2] + m[1][2] * left + m[2][2] * up;
+  // One over the depth at which `meet_road` meets it.
+  return fx_px_ * baseline_m_ * (z - road.slope * x - road.bank * y) / (road.height_m - height_m_);
+}
+
 Point3 Projection::meet_road(double u_px, double v_px, const RoadPlane& road) const {
   const double left = (cx_px_ - u_px) / fx_px_;
   const double up = (cy_px_ - v_px) / fy_px_;

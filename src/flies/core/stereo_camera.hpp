@@ -74,6 +74,11 @@ class Projection {
   /// @returns a point with `x_m` <= 0 when it does not meet the road in front of the camera
   Point3 meet_road(double u_px, double v_px, const RoadPlane& road) const;
 
+  /// Disparity, less that of infinity, at which the line of sight through left pixel (u, v) meets the road. Linear in u
+  /// and v; 0 at the horizon and negative above it. With it, what is seen at a parallax p lies
+  /// (1 - road_parallax_px / p) times the height of the camera above the road.
+  double road_parallax_px(double u_px, double v_px, const RoadPlane& road) const;
+
   double disparity_at_depth(double depth_m) const { return fx_px_ * baseline_m_ / depth_m + disparity_offset_px_; }
   double depth_at_disparity(double disparity_px) const {
     return fx_px_ * baseline_m_ / (disparity_px - disparity_offset_px_);

@@ -40,7 +40,7 @@ Detection Detector::process(const RectifiedPair& pair) {
   check_pair(pair);
   check_camera_fits(camera_, pair.left.width_px, pair.left.height_px, "camera");
   auto detection = workers_->arena.execute([&] { return detect(pair); });
-  last_obstacles_ = detection.obstacles;
+  last_obstacles_ = detection.concentrate.obstacles;
   ++frame_;
   return detection;
 }
@@ -54,12 +54,18 @@ Detection Detector::detect(const RectifiedPair& pair) {
     return evolver_.evolve(pair, projection_, road, options_.field, options_.fitness, options_.evolve,
                            {options_.seed, frame_}, last_obstacles_);
   });
-  d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
-    return concentrator_.concentrate(d.evolved.flies, projection_, road, options_.field, options_.concentrate);
+  d.scan = timed(d.stage_ms, Stage::scan, [&] {
+    return scanner_.scan(pair, projection_, road, d.evolved.flies, options_.field, options_.scan);
   });
-  d.obstacles = d.concentrate.obstacles;
-  d.rois = timed(d.stage_ms, Stage::propose,
-                 [&] { return propose_rois(d.obstacles, projection_, road, width_px, height_px, options_.propose); });
+  d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
+    ConcentrateResult found =
+        concentrator_.concentrate(d.evolved.flies, projection_, road, options_.field, options_.concentrate);
+    d.obstacles = whole_obstacles(found.obstacles, d.scan, projection_, road, options_.concentrate.whole);
+    return found;
+  });
+  d.rois = timed(d.stage_ms, Stage::propose, [&] {
+    return propose_rois(d.concentrate.obstacles, projection_, road, width_px, height_px, options_.propose);
+  });
   d.pedestrians = timed(d.stage_ms, Stage::classify, [&] {
     ClassifyResult people = find_people(pair.left, d.rois, *classifier_, options_.classify);
     d.roi_scores = std::move(people.screened);

@@ -19,6 +19,7 @@
 #include "flies/fitness/fitness.hpp"
 #include "flies/propose/propose.hpp"
 #include "flies/road/road.hpp"
+#include "flies/scan/scan.hpp"
 
 namespace flies {
 
@@ -30,6 +31,7 @@ struct DetectorOptions {
   FitnessOptions fitness;
   RoadOptions road;
   EvolveOptions evolve;
+  ScanOptions scan;
   ConcentrateOptions concentrate;
   ProposeOptions propose;
   ClassifyOptions classify;
@@ -42,6 +44,7 @@ struct DetectorOptions {
     f("fitness", self.fitness);
     f("road", self.road);
     f("evolve", self.evolve);
+    f("scan", self.scan);
     f("concentrate", self.concentrate);
     f("propose", self.propose);
     f("classify", self.classify);
@@ -74,9 +77,10 @@ struct Detection {
   StageTimes_ms stage_ms{};
 
   RoadResult road;
-  EvolveResult evolved;           ///< flies after the last generation, scored
-  ConcentrateResult concentrate;  ///< its `obstacles` are those above
-  std::vector<Roi> rois;
+  EvolveResult evolved;  ///< flies after the last generation, scored
+  ConcentrateResult
+      concentrate;        ///< its `obstacles` are what the flies show of those above; people are looked for there
+  std::vector<Roi> rois;  ///< `Roi::obstacle` counts `concentrate.obstacles`
   std::vector<double> roi_scores;  ///< the classifier's first look: one probability per ROI
 };
 
@@ -108,6 +112,7 @@ class Detector {
   std::shared_ptr<const PeopleClassifier> classifier_;
   std::shared_ptr<Workers> workers_;
   Evolver evolver_;
+  Scanner scanner_;
   Concentrator concentrator_;
   std::vector<Obstacle> last_obstacles_;
   std::uint32_t frame_ = 0;

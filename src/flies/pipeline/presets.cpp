@@ -26,6 +26,7 @@ DetectorOptions paper_options() {
   o.evolve.mutation = {.image_px = 4.0, .disparity_px = 1.6, .cooling = 1.0};
   o.evolve.uniqueness.enforce = false;
   o.evolve.refine.share = 0.0;
+  o.scan.enable = false;
   o.propose.heights = 3;
   o.propose.step = 2.0 / 12.0;
   o.propose.vertical_shifts = 0;
@@ -38,6 +39,7 @@ DetectorOptions paper_options() {
   o.concentrate.assemble.min_height_px = 0.0;
   o.concentrate.assemble.min_score = 0.0;
   o.concentrate.assemble.min_flies = 1;
+  o.concentrate.whole.enable = false;
   return o;
 }
 
@@ -55,6 +57,7 @@ void check_detector_options(const DetectorOptions& options, const std::string& s
   check_evolve_options(options.evolve, source);
   check_propose_options(options.propose, source);
   check_road_options(options.road, source);
+  check_scan_options(options.scan, source);
 }
 
 }  // namespace flies
