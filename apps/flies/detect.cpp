@@ -80,12 +80,14 @@ void run_detect(const DetectArguments& arguments) {
   request.right_path = arguments.right_calib;
   flies::Calibration calibration = flies::load_calibration(arguments.calib, request);
   std::optional<flies::Detector> detector;
-  std::optional<flies::OutputFile> json, csv;
+  std::optional<flies::OutputFile> json, csv, scan;
   if (!arguments.outputs.json.empty()) json.emplace(arguments.outputs.json);
   if (!arguments.outputs.csv.empty()) csv.emplace(arguments.outputs.csv).write(flies::csv_header());
+  if (!arguments.outputs.scan.empty()) scan.emplace(arguments.outputs.scan).write(flies::scan_csv_header());
 
   // The table goes to the terminal that the bar would be drawn on.
-  const bool prints = !arguments.outputs.any() || arguments.outputs.json == "-" || arguments.outputs.csv == "-";
+  const DetectOutputs& outputs = arguments.outputs;
+  const bool prints = !outputs.any() || outputs.json == "-" || outputs.csv == "-" || outputs.scan == "-";
   const ProgressBar progress(prints ? 0 : pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto& [left_path, right_path] = pairs[i];
@@ -110,9 +112,11 @@ void run_detect(const DetectArguments& arguments) {
                                     .preset = preset_name(options),
                                     .obstacles = detection.obstacles,
                                     .pedestrians = detection.pedestrians,
+                                    .scan = detection.scan,
                                     .stage_ms = detection.stage_ms};
     if (json) json->write(flies::json_line(record));
     if (csv) csv->write(flies::csv_rows(record));
+    if (scan) scan->write(flies::scan_csv_rows(record));
     if (!arguments.outputs.any()) print(result_table(record));
     write_frame({pair, calibration.camera, options, &detection, static_cast<std::uint32_t>(i)}, file_stem(left_path),
                 arguments.outputs, is_single);
@@ -120,6 +124,7 @@ void run_detect(const DetectArguments& arguments) {
   }
   if (json) json->commit();
   if (csv) csv->commit();
+  if (scan) scan->commit();
   say_notes(calibration_notes(calibration, arguments.calib));
 }
 
@@ -142,6 +147,7 @@ void add_output_options(CLI::App& command, DetectOutputs& outputs) {
   };
   add("--json", outputs.json, "one JSON object a line, a line a pair; - is standard output", "FILE");
   add("--csv", outputs.csv, "one line an obstacle or pedestrian; - is standard output", "FILE");
+  add("--scan", outputs.scan, "one line a sector of the scan; - is standard output", "FILE");
   add("--ply", outputs.ply, "flies as a point cloud, coloured by fitness", "FILE");
   add("--overlay", outputs.overlay, "boxes and ranges on the left image", "PNG");
   add("--top-view", outputs.top_view, "bird's-eye view with a grid in metres", "PNG");

@@ -31,7 +31,7 @@ bool is_device(const std::string& path) {
 }  // namespace
 
 bool DetectOutputs::any() const {
-  for (const std::string* path : {&json, &csv, &ply, &overlay, &top_view, &flies, &histogram, &concentrating})
+  for (const std::string* path : {&json, &csv, &scan, &ply, &overlay, &top_view, &flies, &histogram, &concentrating})
     if (!path->empty()) return true;
   return false;
 }
@@ -62,7 +62,8 @@ void check_outputs(const DetectOutputs& outputs, const std::vector<flies::PairPa
       if (!is_new) throw flies::InputError("standard output", option, "it is already " + other->second);
     }
   };
-  for (const auto& [path, option] : {std::pair(outputs.json, "--json"), std::pair(outputs.csv, "--csv")})
+  for (const auto& [path, option] :
+       {std::pair(outputs.json, "--json"), std::pair(outputs.csv, "--csv"), std::pair(outputs.scan, "--scan")})
     if (!path.empty()) claim(path, option);
   const std::array per_frame = {std::pair(outputs.ply, "--ply"),
                                 std::pair(outputs.overlay, "--overlay"),

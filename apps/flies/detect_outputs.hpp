@@ -7,7 +7,7 @@
 
 /// Where `flies detect` writes, as given on the command line; empty: not asked for. "-" is standard output.
 struct DetectOutputs {
-  std::string json, csv;                                                ///< one file for all pairs
+  std::string json, csv, scan;                                          ///< one file for all pairs
   std::string ply, overlay, top_view, flies, histogram, concentrating;  ///< one file per pair
 
   bool any() const;

@@ -289,6 +289,8 @@ std::vector<BadInput> bad_inputs() {
          return Words{"detect", "left.png", "right.png", "--calib", "calib.txt", "--json", "-", "--csv", "-"};
        },
        {"standard output"}},
+      {"ScanInTheFileOfTheOthers", with_words({"--scan", "out.jsonl"}), {"out.jsonl", "--scan", "--json"}},
+      {"ScanFolderMissing", with_words({"--scan", "gone/scan.csv"}), {"gone/scan.csv"}},
       {"PictureOnStandardOutput", with_words({"--top-view", "-"}), {"--top-view"}},
       {"OutputOverAnInput", with_words({"--top-view", "right.png"}), {"right.png", "--top-view", "input"}},
       // Options

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,13 @@ json without_times(json record) {
 
 /// What was found, whatever the files are called.
 json findings(const json& record) { return {record.at("obstacles"), record.at("pedestrians")}; }
+
+Words split(const std::string& line, char separator) {
+  Words fields;
+  std::istringstream rest(line + separator);
+  for (std::string field; std::getline(rest, field, separator);) fields.push_back(field);
+  return fields;
+}
 
 struct Detect : ::testing::Test {
   Detect() { write_street(folder.path()); }
@@ -89,10 +97,10 @@ TEST_F(Detect, NamesChangedOptionsCustom) {
 }
 
 TEST_F(Detect, WritesEveryOutput) {
-  const RunResult result =
-      run_flies(folder.path(),
-                detect({"--json", "a.jsonl", "--csv", "a.csv", "--ply", "a.ply", "--overlay", "o.png", "--top-view",
-                        "t.png", "--flies", "f.png", "--histogram", "h.png", "--concentrating", "c.png"}));
+  const RunResult result = run_flies(
+      folder.path(),
+      detect({"--json", "a.jsonl", "--csv", "a.csv", "--scan", "s.csv", "--ply", "a.ply", "--overlay", "o.png",
+              "--top-view", "t.png", "--flies", "f.png", "--histogram", "h.png", "--concentrating", "c.png"}));
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(result.out, "") << "the table is for runs without outputs";
   EXPECT_EQ(result.err, "");
@@ -102,7 +110,30 @@ TEST_F(Detect, WritesEveryOutput) {
   const auto csv = lines(read_text(folder.path() / "a.csv"));
   ASSERT_GE(csv.size(), 2u);
   for (const char* column : {"frame", "kind", "x_m", "y_m", "range_m", "score"}) EXPECT_THAT(csv[0], HasSubstr(column));
-  EXPECT_EQ(folder.listing().size(), 3u + 8u) << "no temporary files may stay";
+  EXPECT_EQ(lines(read_text(folder.path() / "s.csv")).at(0),
+            "frame,angle_rad,angle_deg,state,range_m,free_m,confidence");
+  EXPECT_EQ(folder.listing().size(), 3u + 9u) << "no temporary files may stay";
+}
+
+TEST_F(Detect, WritesTheSameScanAsJsonAndAsCsv) {
+  const json record = found(folder, detect({"--json", "-", "--scan", "s.csv"})).at(0);
+  const auto rows = lines(read_text(folder.path() / "s.csv"));
+  if (!record.contains("scan")) {
+    EXPECT_EQ(rows.size(), 1u);
+    GTEST_SKIP() << "these options take no scan";
+  }
+  const json& scan = record.at("scan");
+  const auto states = scan.at("states").get<std::string>();
+  ASSERT_EQ(rows.size(), 1u + states.size());
+  for (const char* key : {"ranges_m", "free_m", "confidence"}) EXPECT_EQ(scan.at(key).size(), states.size()) << key;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const auto fields = split(rows[1 + i], ',');
+    ASSERT_EQ(fields.size(), 7u) << rows[1 + i];
+    EXPECT_EQ(fields[3].front(), states[i]);
+    const json& range_m = scan.at("ranges_m")[i];
+    EXPECT_EQ(fields[4].empty(), range_m.is_null());
+    if (!range_m.is_null()) EXPECT_NEAR(std::stod(fields[4]), range_m.get<double>(), 1e-9);
+  }
 }
 
 TEST_F(Detect, PrintsATableWithoutOutputs) {

@@ -2,15 +2,10 @@
 
 #include <vector>
 
+#include "flies/core/ground_point.hpp"
 #include "flies/core/results.hpp"
 
 namespace flies {
-
-/// A point on the ground of the vehicle frame.
-struct GroundPoint {
-  double x_m = 0.0;
-  double y_m = 0.0;
-};
 
 /// A point of the left image.
 struct PixelPoint {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "flies/core/stereo_camera.hpp"
 #include "flies/io/writers.hpp"
 
 namespace flies {
@@ -46,6 +47,20 @@ std::string csv_rows(const FrameRecord& record) {
     add_row("obstacle", obstacle, metres(obstacle.width_m), score_of(obstacle.score), "");
   for (const auto& pedestrian : record.pedestrians)
     add_row("pedestrian", pedestrian, "", "", score_of(pedestrian.probability));
+  return rows;
+}
+
+std::string scan_csv_header() { return "frame,angle_rad,angle_deg,state,range_m,free_m,confidence\n"; }
+
+std::string scan_csv_rows(const FrameRecord& record) {
+  const Scan& scan = record.scan;
+  std::string rows;
+  for (std::size_t sector = 0; sector < scan.size(); ++sector) {
+    const double angle_rad = scan.angle_rad(sector);
+    rows += fmt::format("{},{},{},{},{},{},{}\n", record.frame, number(angle_rad, 6), number(degrees(angle_rad), 4),
+                        kSectorStateNames[static_cast<std::size_t>(scan.states[sector])], metres(scan.ranges_m[sector]),
+                        metres(scan.free_m[sector]), score_of(scan.confidence[sector]));
+  }
   return rows;
 }
 

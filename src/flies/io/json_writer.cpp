@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "flies/core/free_space.hpp"
 #include "flies/io/writers.hpp"
 
 namespace flies {
@@ -19,6 +20,7 @@ Json rounded(double value, int decimals) {
 }
 Json metres(double value_m) { return rounded(value_m, 3); }
 Json pixels(double value_px) { return rounded(value_px, 2); }
+Json radians_of(double angle_rad) { return rounded(angle_rad, 6); }
 Json milliseconds(double value_ms) { return rounded(value_ms, 3); }
 
 /// Six significant digits: scores of different fitness functions differ by many orders of magnitude.
@@ -62,20 +64,47 @@ Json array_of(const std::vector<Item>& items) {
   return array;
 }
 
+Json numbers_of(const std::vector<double>& values, Json (*written)(double)) {
+  Json array = Json::array();
+  for (const double value : values) array.push_back(written(value));
+  return array;
+}
+
+Json object_of(const Scan& scan) {
+  std::string letters;  // a list of words would be the longest part of the line
+  for (const SectorState state : scan.states) letters += kSectorStateNames[static_cast<std::size_t>(state)].front();
+  return {{"angle_min_rad", radians_of(scan.angle_min_rad)},
+          {"angle_increment_rad", radians_of(scan.angle_increment_rad)},
+          {"ranges_m", numbers_of(scan.ranges_m, metres)},
+          {"free_m", numbers_of(scan.free_m, metres)},
+          {"confidence", numbers_of(scan.confidence, score_of)},
+          {"states", letters}};
+}
+
+Json polygon_of(const std::vector<GroundPoint>& vertices) {
+  Json array = Json::array();
+  for (const auto& vertex : vertices) array.push_back(Json::array({metres(vertex.x_m), metres(vertex.y_m)}));
+  return array;
+}
+
 }  // namespace
 
 std::string json_line(const FrameRecord& record) {
   Json stage_ms = Json::object();
   for (std::size_t stage = 0; stage < kStageCount; ++stage)
     stage_ms[std::string(kStageNames[stage])] = milliseconds(record.stage_ms[stage]);
-  const Json object = {{"frame", record.frame},
-                       {"left", record.left},
-                       {"right", record.right},
-                       {"seed", record.seed},
-                       {"preset", record.preset},
-                       {"obstacles", array_of(record.obstacles)},
-                       {"pedestrians", array_of(record.pedestrians)},
-                       {"stage_ms", stage_ms}};
+  Json object = {{"frame", record.frame},
+                 {"left", record.left},
+                 {"right", record.right},
+                 {"seed", record.seed},
+                 {"preset", record.preset},
+                 {"obstacles", array_of(record.obstacles)},
+                 {"pedestrians", array_of(record.pedestrians)}};
+  if (!record.scan.empty()) {
+    object["scan"] = object_of(record.scan);
+    object["free_space"] = polygon_of(free_space(record.scan));
+  }
+  object["stage_ms"] = stage_ms;
   constexpr int kOneLine = -1;
   return object.dump(kOneLine, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -6,6 +6,7 @@
 
 #include "flies/core/fly.hpp"
 #include "flies/core/results.hpp"
+#include "flies/core/scan.hpp"
 
 namespace flies {
 
@@ -17,12 +18,13 @@ struct FrameRecord {
   std::string preset;
   std::vector<Obstacle> obstacles;
   std::vector<Pedestrian> pedestrians;
+  Scan scan;  ///< empty: not written
   StageTimes_ms stage_ms{};
 };
 
 /// One JSON object and a line feed: a line of JSON Lines. Numbers are rounded to millimetres, hundredths of a pixel,
-/// microseconds and six digits of a score; a number that is not finite becomes null. Bytes of file names that are not
-/// UTF-8 become U+FFFD.
+/// microseconds, millionths of a radian and six digits of a score; a number that is not finite becomes null. Bytes of
+/// file names that are not UTF-8 become U+FFFD.
 std::string json_line(const FrameRecord& record);
 
 /// The names of the columns, one line.
@@ -31,6 +33,12 @@ std::string csv_header();
 /// One line per obstacle and per pedestrian, told apart by the column `kind`; no line when nothing was found. Fields
 /// are quoted as in RFC 4180 where needed, lines end with a line feed. A number that is not finite is an empty field.
 std::string csv_rows(const FrameRecord& record);
+
+/// The names of the columns of the scan, one line.
+std::string scan_csv_header();
+
+/// One line per sector of the scan, from right to left; no line when it is empty. Numbers as in `csv_rows`.
+std::string scan_csv_rows(const FrameRecord& record);
 
 /// The flies as a point cloud, ASCII PLY: x y z in metres in the vehicle frame, colour by fitness (see
 /// `fitness_color`), fitness. Flies at positions that are not finite are left out.

@@ -37,6 +37,18 @@ FrameRecord example() {
   return record;
 }
 
+/// An obstacle to the right, free ground ahead, nothing known to the left.
+Scan three_sectors() {
+  Scan scan;
+  scan.angle_min_rad = -0.0087266463;
+  scan.angle_increment_rad = 0.0087266463;
+  scan.ranges_m = {12.34567, kNan, kNan};
+  scan.free_m = {11.5, 30.0004, 0};
+  scan.confidence = {0.87654321, 0.5, 0};
+  scan.states = {SectorState::obstacle, SectorState::free, SectorState::unknown};
+  return scan;
+}
+
 std::vector<std::string> keys_of(const Json& object) {
   std::vector<std::string> keys;
   for (const auto& [key, value] : object.items()) keys.push_back(key);
@@ -64,6 +76,23 @@ TEST(JsonLine, RoundsNumbers) {
   EXPECT_THAT(line, HasSubstr("\"" + std::string(kStageNames[0]) + "\":1.235,"));
   EXPECT_THAT(line, HasSubstr("\"seed\":18446744073709551615,"));
   EXPECT_THAT(line, Not(HasSubstr("-0.0")));
+}
+
+TEST(JsonLine, HoldsTheScanBeforeTheTimes) {
+  auto record = example();
+  record.scan = three_sectors();
+  const Json json = Json::parse(json_line(record));
+  EXPECT_THAT(keys_of(json), ElementsAre("frame", "left", "right", "seed", "preset", "obstacles", "pedestrians", "scan",
+                                         "free_space", "stage_ms"));
+  EXPECT_EQ(json["scan"].dump(),
+            "{\"angle_min_rad\":-0.008727,\"angle_increment_rad\":0.008727,\"ranges_m\":[12.346,null,null],"
+            "\"free_m\":[11.5,30.0,0.0],\"confidence\":[0.876543,0.5,0.0],\"states\":\"ofu\"}");
+  EXPECT_EQ(json["free_space"].dump(), "[[0.0,0.0],[11.499,-0.151],[11.5,-0.05],[30.0,-0.131],[30.0,0.131]]");
+}
+
+TEST(JsonLine, LeavesAnEmptyScanOut) {
+  EXPECT_THAT(json_line(example()), Not(HasSubstr("scan")));
+  EXPECT_THAT(json_line(example()), Not(HasSubstr("free_space")));
 }
 
 TEST(JsonLine, HoldsEmptyListsWhenNothingWasFound) {
@@ -103,6 +132,17 @@ TEST(CsvRows, QuoteNamesAsRfc4180Says) {
   record.left = "a, \"b\".png";
   EXPECT_THAT(csv_rows(record), StartsWith("7,\"a, \"\"b\"\".png\",r/7.png,"));
   EXPECT_EQ(csv_rows({}), "");
+}
+
+TEST(ScanCsvRows, MatchTheHeader) {
+  auto record = example();
+  record.scan = three_sectors();
+  EXPECT_EQ(scan_csv_header() + scan_csv_rows(record),
+            "frame,angle_rad,angle_deg,state,range_m,free_m,confidence\n"
+            "7,-0.008727,-0.5000,obstacle,12.346,11.500,0.876543\n"
+            "7,0.000000,0.0000,free,,30.000,0.5\n"
+            "7,0.008727,0.5000,unknown,,0.000,0\n");
+  EXPECT_EQ(scan_csv_rows({}), "");
 }
 
 TEST(PlyText, HoldsEveryFiniteFlyWithItsColour) {
