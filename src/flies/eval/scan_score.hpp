@@ -13,11 +13,11 @@ namespace flies {
 
 /// How the judged sectors of some pairs came out.
 struct ScanScore {
-  int sectors = 0;  ///< judged: something stands there
-  int right = 0;    ///< reported where it stands
-  int blind = 0;    ///< nothing or something farther is reported: one would drive into it
-  int ghost = 0;    ///< something nearer is reported
-  int unknown = 0;  ///< told to be unknown; the four add up to the sectors
+  int sectors = 0;                       ///< judged: something stands there
+  int right = 0;                         ///< reported where it stands
+  int blind = 0;                         ///< nothing or something farther is reported: one would drive into it
+  int ghost = 0;                         ///< something nearer is reported
+  int unknown = 0;                       ///< told to be unknown; the four add up to the sectors
   int near_sectors = 0, near_blind = 0;  ///< of what stands nearer than `near_range_m`
   int open_sectors = 0, open_ghost = 0;  ///< sectors without anything, and reports in them
   std::vector<double> range_errors;      ///< of the right ones, reported minus true, as part of the true range

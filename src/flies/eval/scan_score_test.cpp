@@ -103,8 +103,8 @@ TEST(WithMinConfidence, TakesUncertainObstaclesBack) {
   Scan scan = scan_of({10, 12, kInfinity, kNaN});
   scan.confidence = {0.9, 0.3, 0.1, 0.0};
   const Scan sure = with_min_confidence(scan, 0.5);
-  EXPECT_EQ(sure.states, (std::vector{SectorState::obstacle, SectorState::free, SectorState::free,
-                                      SectorState::unknown}));
+  EXPECT_EQ(sure.states,
+            (std::vector{SectorState::obstacle, SectorState::free, SectorState::free, SectorState::unknown}));
   EXPECT_EQ(sure.ranges_m[0], 10.0);
   EXPECT_TRUE(std::isnan(sure.ranges_m[1]));
   EXPECT_EQ(with_min_confidence(scan, 0.3).states, scan.states);

@@ -63,9 +63,9 @@ ScanTruth scan_truth(const FrameTruth& truth, const StereoCamera& camera, const 
   for (std::size_t i = 0; i < sectors.size(); ++i) {
     const bool is_covered = sectors[i].points >= kCoverage * need;
     const double range_m =
-        is_covered
-            ? shared_range_m(sectors[i].ranges_m, need, gap_m, options.gap_per_range, kNearFaceQuantile).value_or(kInfinity)
-            : kNaN;
+        is_covered ? shared_range_m(sectors[i].ranges_m, need, gap_m, options.gap_per_range, kNearFaceQuantile)
+                         .value_or(kInfinity)
+                   : kNaN;
     TrueSector kind = TrueSector::ignored;
     if (range_m >= options.open_range_m)
       kind = TrueSector::open;

@@ -30,7 +30,8 @@ struct SectorOptions {
     field("increment_deg", self.increment_deg, Range{0.05, 10}, "width of a sector of the scan, degrees");
     field("min_range_m", self.min_range_m, Range{0, 1000}, "nearest things whose sectors are judged, metres");
     field("max_range_m", self.max_range_m, Range{0, 1000}, "farthest; in open sectors, reports nearer are ghosts");
-    field("near_range_m", self.near_range_m, Range{0, 1000}, "blind sectors are counted apart nearer than this, metres");
+    field("near_range_m", self.near_range_m, Range{0, 1000},
+          "blind sectors are counted apart nearer than this, metres");
     field("open_range_m", self.open_range_m, Range{0, 1000}, "a sector is open when nothing stands nearer, metres");
     field("margin_px", self.margin_px, Range{0, 1000}, "both images show the place this far inside, pixels");
     field("lidar_points", self.lidar_points, Range{1, 1000}, "lidar returns of a sector that make a thing");

@@ -68,9 +68,7 @@ TEST(SharedRange, IsTheNearestThatEnoughShare) {
   EXPECT_FALSE(shared_range_m({}, 1, 0.3, 0.0, 0.0).has_value());
 }
 
-TEST(ScanTruth, IsEmptyWithoutLidarAndMap) {
-  EXPECT_TRUE(scan_truth({}, camera()).kinds.empty());
-}
+TEST(ScanTruth, IsEmptyWithoutLidarAndMap) { EXPECT_TRUE(scan_truth({}, camera()).kinds.empty()); }
 
 TEST(ScanTruth, TakesTheNearestRangeThatTwoReturnsShare) {
   FrameTruth truth;
