@@ -34,12 +34,13 @@ struct EvaluateArguments {
   std::string calib;
   CameraArguments camera;
   int start = 0, step = 1;
+  std::optional<int> end;
   std::vector<std::string> detections;
   std::vector<std::string> yardsticks;
   int seeds = 5;
   std::string model;
   MethodArguments method;
-  Overrides match, people, estimate, dense, hog;  ///< dotted name and text
+  Overrides match, people, estimate, sectors, dense, hog;  ///< dotted name and text
   std::string unlabelled, json, plot;
   bool missed = false;
 };
@@ -60,12 +61,23 @@ Options with_overrides(const Overrides& overrides) {
 
 std::vector<std::size_t> frames_of(const EvaluateArguments& arguments, std::size_t count) {
   std::vector<std::size_t> frames;
-  for (auto i = static_cast<std::size_t>(arguments.start); i < count; i += static_cast<std::size_t>(arguments.step))
+  const std::size_t end = arguments.end ? std::min(static_cast<std::size_t>(*arguments.end), count) : count;
+  for (auto i = static_cast<std::size_t>(arguments.start); i < end; i += static_cast<std::size_t>(arguments.step))
     frames.push_back(i);
+  if (frames.empty() && static_cast<std::size_t>(arguments.start) < count)
+    throw flies::InputError(
+        "command line", "--end",
+        fmt::format("found {}, expected more than --start, which is {}", *arguments.end, arguments.start));
   if (frames.empty())
     throw flies::InputError("command line", "--start",
                             fmt::format("found {}, but {} has {} pairs", arguments.start, arguments.folder, count));
   return frames;
+}
+
+flies::EvaluationOptions measuring_of(const EvaluateArguments& arguments) {
+  return {with_overrides<flies::MatchOptions>(arguments.match), with_overrides<flies::PeopleOptions>(arguments.people),
+          with_overrides<flies::EstimateOptions>(arguments.estimate),
+          with_overrides<flies::SectorOptions>(arguments.sectors)};
 }
 
 /// What is held against the method: a dense matcher, a search of the whole image for people, or another preset.
@@ -76,7 +88,7 @@ flies::Method yardstick(const std::string& name, const flies::DetectorOptions& o
   constexpr const auto& kPresets = flies::EnumNames<flies::Preset>::names;
   if (const auto matcher = std::find(kMatchers.begin(), kMatchers.end(), name); matcher != kMatchers.end())
     return flies::dense_method(static_cast<flies::DenseMatcher>(matcher - kMatchers.begin()), options,
-                               with_overrides<flies::DenseOptions>(arguments.dense));
+                               with_overrides<flies::DenseOptions>(arguments.dense), measuring_of(arguments));
   if (const auto search = std::find(kSearches.begin(), kSearches.end(), name); search != kSearches.end()) {
     const auto detector = static_cast<flies::HogDetector>(search - kSearches.begin());
     return flies::hog_method(detector, with_overrides<flies::HogOptions>(arguments.hog));
@@ -115,9 +127,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
   context.folder = arguments.folder;
   context.preset = arguments.method.preset;
   context.options = effective_options(arguments.method);
-  context.measuring = {with_overrides<flies::MatchOptions>(arguments.match),
-                       with_overrides<flies::PeopleOptions>(arguments.people),
-                       with_overrides<flies::EstimateOptions>(arguments.estimate)};
+  context.measuring = measuring_of(arguments);
   context.dense = with_overrides<flies::DenseOptions>(arguments.dense);
   context.hog = with_overrides<flies::HogOptions>(arguments.hog);
 
@@ -157,7 +167,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
 void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
   command
       .add_option("TRUTH", arguments.folder,
-                  "KITTI drive or object folder, result of flies synth, or foot points of people")
+                  "KITTI drive, object or stereo folder, result of flies synth, or foot points of people")
       ->required();
   add_cameras_option(command, arguments.camera, "of a KITTI drive, e.g. 2,3; else 0,1 when there, else 2,3");
   command.add_option("--calib", arguments.calib, "calibration, where the folder holds none")->type_name("FILE");
@@ -167,6 +177,9 @@ void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
                   "people who are real but not labelled, to be ignored: name,left,top,width,height a line")
       ->type_name("FILE");
   command.add_option("--start", arguments.start, "first pair, from 0")->check(CLI::NonNegativeNumber)->type_name("N");
+  command.add_option("--end", arguments.end, "pair to stop before, from 0; else all")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
   command.add_option("--step", arguments.step, "every so many pairs")->check(CLI::PositiveNumber)->type_name("N");
 }
 
@@ -215,6 +228,7 @@ void setup_evaluate(CLI::App& app) {
   add_dotted_options<flies::DenseOptions>(*command, "dense", arguments->dense);
   add_dotted_options<flies::HogOptions>(*command, "hog", arguments->hog);
   add_dotted_options<flies::MatchOptions>(*command, "match", arguments->match);
+  add_dotted_options<flies::SectorOptions>(*command, "sectors", arguments->sectors);
   add_dotted_options<flies::PeopleOptions>(*command, "people", arguments->people);
   add_dotted_options<flies::EstimateOptions>(*command, "estimate", arguments->estimate);
   command->add_flag("--missed", arguments->missed, "list what was missed and, of people, false alarms, pair by pair")
@@ -228,12 +242,13 @@ void setup_evaluate(CLI::App& app) {
   command->footer(
       "\nThe kind of truth is recognised from the folder's content; docs/evaluation.md describes each\n"
       "kind, the measures and the JSON. Times are those of one pair after another. --start 0 --step 2\n"
-      "takes the even pairs, --start 1 --step 2 the odd ones.\n"
+      "takes the even pairs, --start 1 --step 2 the odd ones, --end 30 the first thirty.\n"
       "\nExamples:\n"
       "  flies evaluate 2011_09_26/2011_09_26_drive_0005_sync --yardstick sgbm,sgbm-3way\n"
       "  flies evaluate kitti/object/training --preset paper --missed\n"
       "  flies synth street --frames 20 && flies evaluate street --json measures.json\n"
       "  flies evaluate street --detections found.jsonl\n"
+      "  flies evaluate kitti/stereo2012 --start 1 --step 2 --yardstick sgbm-3way\n"
       "  flies evaluate eth_bahnhof/rectified --camera-height 0.98 --yardstick hog-48x96 --missed\n"
       "\nExit status: 0 done, 2 a fault in the input, told in one line.");
   command->callback([arguments] { run_evaluate(*arguments); });

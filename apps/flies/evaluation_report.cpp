@@ -51,6 +51,7 @@ constexpr Row kRows[] = {
     {"range error, median signed [%]", "range_error", kSignedPercent},
     {"width error, median |.| [m]", "absolute_width_error_m", kMetres},
     {"width error, median signed [m]", "width_error_m", kSignedMetres},
+    {"width error, seen whole, |.| [m]", "whole_width_error_m", kMetres},
     {"height error, median |.| [m]", "absolute_height_error_m", kMetres},
     {"height error, median signed [m]", "height_error_m", kSignedMetres},
     {"obstacles a pair", "obstacles_per_frame", kCount},
@@ -73,6 +74,17 @@ constexpr Row kPeopleRows[] = {
     {"range error, 95 % of |.| [%]", "absolute_range_error_95", kPercent},
     {"range error, median signed [%]", "range_error", kSignedPercent},
     {"position error, median [m]", "position_error_m", kMetres},
+};
+
+constexpr Row kScanRows[] = {
+    {"right", "right", kShare},
+    {"blind", "blind", kShare},
+    {"ghost", "ghost", kShare},
+    {"unknown", "unknown", kShare},
+    {"blind, nearer than {:g} m", "near_blind", kShare},
+    {"ghosts in open sectors", "open_ghost", kShare},
+    {"range error, median |.| [%]", "absolute_range_error", kPercent},
+    {"range error, median signed [%]", "range_error", kSignedPercent},
 };
 
 std::string number(double value, const Style& style) {
@@ -169,6 +181,34 @@ std::string people_lines(const Evaluation& evaluation, const flies::PeopleOption
   return text;
 }
 
+/// Everything on scans; empty where nobody has one.
+std::string scan_lines(const Evaluation& evaluation, const flies::SectorOptions& options) {
+  std::string text;
+  for (const auto& row : kScanRows)
+    text += line(evaluation, "  " + fmt::format(fmt::runtime(row.label), options.near_range_m),
+                 [&](const MethodResult& method) {
+                   const MeasureKey key{Group::all, "", row.measure};
+                   return method.scan ? cell(method.scan->estimates, method.runs, key, row.style, true) : "-";
+                 });
+  if (text.empty()) return "";
+  return fmt::format(
+             "scan: {} sectors of {:g} degrees with something {:g} to {:g} m away, {} nearer than {:g} m, {} open\n",
+             evaluation.sectors.sectors, options.increment_deg, options.min_range_m, options.max_range_m,
+             evaluation.sectors.near_sectors, options.near_range_m, evaluation.sectors.open_sectors) +
+         text;
+}
+
+Json json_of(const flies::ScanResult& scan) {
+  Json json = {{"all", Json::object()}, {"curve", Json::array()}};
+  for (const auto& [key, estimate] : scan.estimates) json["all"][key.measure] = json_of(estimate);
+  for (const auto& [setting, values] : scan.curve) {
+    Json point = {{scan.setting, setting}};
+    for (const auto& [key, value] : values) point[key.measure] = rounded(value);
+    json["curve"].push_back(std::move(point));
+  }
+  return json;
+}
+
 bool looks_for_people(const Evaluation& evaluation) {
   return std::any_of(evaluation.methods.begin(), evaluation.methods.end(),
                      [](const MethodResult& method) { return method.people.has_value(); });
@@ -233,6 +273,7 @@ Json json_of(const MethodResult& method, const Evaluation& evaluation) {
   json["missed"] = Json::array();
   for (const auto& missed : method.missed) json["missed"].push_back(json_of(missed));
   json["people"] = method.people ? json_of(*method.people, evaluation) : Json(nullptr);
+  json["scan"] = method.scan ? json_of(*method.scan) : Json(nullptr);
   return json;
 }
 
@@ -260,6 +301,7 @@ std::string evaluation_table(const Evaluation& evaluation, const EvaluationConte
   });
   for (const auto& [part, count] : evaluation.by_class) text += part_lines(evaluation, Group::by_class, part, count);
   for (const auto& [part, count] : evaluation.by_range) text += part_lines(evaluation, Group::by_range, part, count);
+  text += scan_lines(evaluation, context.measuring.sectors);
   if (looks_for_people(evaluation)) text += people_lines(evaluation, context.measuring.people);
   return text;
 }
@@ -303,9 +345,13 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
                {"seed", context.options.seed},
                {"preset", context.preset},
                {"people", evaluation.people},
+               {"sectors", evaluation.sectors.sectors},
+               {"near_sectors", evaluation.sectors.near_sectors},
+               {"open_sectors", evaluation.sectors.open_sectors},
                {"match", json_of_options(context.measuring.match)},
                {"people_options", json_of_options(context.measuring.people)},
                {"estimate", json_of_options(context.measuring.estimate)},
+               {"sector_options", json_of_options(context.measuring.sectors)},
                {"dense", json_of_options(context.dense)},
                {"hog", json_of_options(context.hog)},
                {"options", json_of_options(context.options)},

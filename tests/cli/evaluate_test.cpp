@@ -155,6 +155,47 @@ TEST_F(Evaluate, TakesSeveralFilesAsRunsAndTheFolderLast) {
   EXPECT_EQ(method(evaluation, 0).at("all").at("recall").at("spread"), 0.5);
 }
 
+TEST_F(Evaluate, MeasuresScansOfASyntheticStreet) {
+  ASSERT_EQ(run_flies(folder.path(), {"synth", "street", "--frames", "2", "--seed", "5"}).status, 0);
+  // Says that something stands 12 m away in every direction.
+  std::string states(400, 'o'), ranges = "12";
+  for (int i = 1; i < 400; ++i) ranges += ", 12";
+  const std::string line = fmt::format(
+      R"({{"obstacles": [], "scan": {{"angle_min_rad": -1.74, "angle_increment_rad": 0.00873, "states": "{}", )"
+      R"("ranges_m": [{}]}}}})",
+      states, ranges);
+  write_text(folder.path() / "d.jsonl", line + "\n" + line + "\n");
+  const Words words = {"evaluate", "street", "--detections", "d.jsonl", "--yardstick", "sgbm-3way"};
+  const auto with = [&](const Words& more) {
+    Words all = words;
+    all.insert(all.end(), more.begin(), more.end());
+    return run_flies(folder.path(), all);
+  };
+  const RunResult as_json = with({"--json", "-"});
+  ASSERT_EQ(as_json.status, 0) << as_json.err;
+  const json evaluation = json::parse(as_json.out);
+  EXPECT_GT(evaluation.at("sectors").get<int>(), 50);
+  EXPECT_EQ(evaluation.at("sector_options").at("increment_deg"), 0.5);
+  const auto share = [&](std::size_t m, const char* name) {
+    return method(evaluation, m).at("scan").at("all").at(name).at("median").get<double>();
+  };
+  for (const std::size_t m : {0, 1})
+    EXPECT_NEAR(share(m, "right") + share(m, "blind") + share(m, "ghost") + share(m, "unknown"), 1.0, 1e-3);
+  EXPECT_EQ(share(0, "unknown"), 0.0);
+  EXPECT_LT(share(0, "right"), 0.5);
+  EXPECT_GT(share(1, "right"), 0.6) << "dense matching sees most of a textured street";
+  const json& curve = method(evaluation, 1).at("scan").at("curve");
+  ASSERT_EQ(curve.size(), 5u);
+  EXPECT_EQ(curve.at(0).at("scan_points"), 5);
+  EXPECT_LE(curve.at(0).at("blind").get<double>(), curve.at(4).at("blind").get<double>());
+  EXPECT_EQ(method(evaluation, 0).at("scan").at("curve").at(0).at("min_confidence"), 0);
+
+  const RunResult as_table = with({"--end", "1"});
+  for (const char* word :
+       {"street: folder of scenes, 1 pairs", "scan: ", "right", "blind, nearer than 15 m", "ghosts in open sectors"})
+    EXPECT_THAT(as_table.out, HasSubstr(word));
+}
+
 TEST_F(Evaluate, ReadsWhatDetectWrote) {
   ASSERT_EQ(run_flies(folder.path(), {"detect", "scenes/left", "scenes/right", "--calib", "scenes/calib.yaml", "--json",
                                       "d.jsonl", "--evolve.flies", "1000"})
@@ -245,6 +286,18 @@ std::vector<BadTruth> bad_truths() {
       {"MissingDetections", with_words({"--detections", "gone.jsonl"}), {"gone.jsonl"}},
       {"UnknownYardstick", with_words({"--yardstick", "sgbm,lidar"}), {"--yardstick", "lidar", "sgbm-3way"}},
       {"StartBehindTheEnd", with_words({"--start", "2"}), {"--start", "2"}},
+      {"EndBeforeTheStart", with_words({"--start", "1", "--end", "1"}), {"--end", "found 1"}},
+      {"SectorOptionOutOfRange", with_words({"--sectors.increment_deg", "0"}), {"increment_deg", "0"}},
+      {"MalformedScan",
+       with_detections("{\"obstacles\": [], \"scan\": {}}\n{\"obstacles\": []}\n"),
+       {"d.jsonl: line 1: scan.angle_min_rad"}},
+      {"DamagedDisparities",
+       [](const fs::path& f) {
+         fs::create_directories(f / "scenes/disparity");
+         write_text(f / "scenes/disparity/a.png", "no picture");
+         return evaluate();
+       },
+       {"scenes/disparity/a.png"}},
       {"NegativeStep", with_words({"--step", "-1"}), {"--step", "-1"}},
       {"NoSeeds", with_words({"--seeds", "0"}), {"--seeds"}},
       {"MatchOptionOutOfRange", with_words({"--match.radius_m", "-1"}), {"radius_m", "-1"}},

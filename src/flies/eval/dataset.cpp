@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/eval/disparity_map.hpp"
 #include "flies/eval/foot_truth.hpp"
 #include "flies/eval/kitti_truth.hpp"
 #include "flies/eval/scene_truth.hpp"
@@ -39,6 +40,11 @@ void refuse_cameras(const fs::path& folder, const DatasetRequest& request) {
     throw InputError(folder.string(), "cameras", "only a KITTI drive lets them be chosen, expected none");
 }
 
+[[noreturn]] void refuse_raw(const std::string& calibration_file) {
+  throw InputError(calibration_file, "",
+                   "belongs to raw images, expected that of the rectified images whose truth is known");
+}
+
 /// The camera of a folder in which all pairs share one.
 StereoCamera shared_camera(const fs::path& folder, const DatasetRequest& request, const RectifiedPair& first,
                            std::vector<std::string>& notes) {
@@ -50,8 +56,7 @@ StereoCamera shared_camera(const fs::path& folder, const DatasetRequest& request
   wanted.width_px = first.left.width_px;
   wanted.height_px = first.left.height_px;
   const Calibration calibration = load_calibration(file, wanted);
-  if (calibration.rectifier)
-    throw InputError(file, "", "belongs to raw images, expected that of the rectified images whose truth is known");
+  if (calibration.rectifier) refuse_raw(file);
   check_camera_fits(calibration.camera, first.left.width_px, first.left.height_px, file);
   if (!calibration.has_height)
     notes.push_back(fmt::format("{}: holds no camera height, {} m assumed", file, calibration.camera.mount.height_m));
@@ -132,6 +137,8 @@ Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
     TruthFrame frame{load_images(pairs[i], camera), camera,
                      read_scene_truth(folder / "truth" / (stem_of(pairs[i].left) + ".json"))};
     frame.truth.frame = static_cast<int>(i);
+    if (const fs::path map = folder / "disparity" / (stem_of(pairs[i].left) + ".png"); fs::exists(map))
+      frame.truth.map = read_disparity_map(map, camera);
     return frame;
   };
   return dataset;
@@ -165,6 +172,40 @@ Dataset open_foot_points(const fs::path& folder, const DatasetRequest& request) 
   return dataset;
 }
 
+/// The pairs with a disparity map: the full folders have a second, later pair of each place without one.
+Dataset open_kitti_stereo(const fs::path& folder, const DatasetRequest& request) {
+  refuse_cameras(folder, request);
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder / "disp_noc"))
+    if (entry.path().extension() == ".png") names.insert(entry.path().stem().string());
+  if (names.empty())
+    throw InputError((folder / "disp_noc").string(), "", "holds no disparity maps, expected .png files");
+  Dataset dataset{.kind = TruthKind::kitti_stereo};
+  for (const auto& name : names)
+    dataset.pairs.push_back(
+        {(folder / "image_0" / (name + ".png")).string(), (folder / "image_1" / (name + ".png")).string()});
+  dataset.load = [folder, request, pairs = dataset.pairs](std::size_t i) {
+    TruthFrame frame{load_images(pairs[i]), {}, {}};
+    CalibrationRequest of_pair = calibration_request(request);
+    of_pair.width_px = frame.images.left.width_px;
+    of_pair.height_px = frame.images.left.height_px;
+    const std::string calib =
+        request.calib.empty() ? (folder / fmt::format("calib_{}x{}.yaml", of_pair.width_px, of_pair.height_px)).string()
+                              : request.calib;
+    const Calibration calibration = load_calibration(calib, of_pair);
+    if (calibration.rectifier) refuse_raw(calib);
+    frame.camera = calibration.camera;
+    frame.camera.width_px = frame.images.left.width_px;
+    frame.camera.height_px = frame.images.left.height_px;
+    frame.truth.frame = static_cast<int>(i);
+    frame.truth.name = stem_of(pairs[i].left);
+    frame.truth.map = read_disparity_map(folder / "disp_noc" / (frame.truth.name + ".png"), frame.camera);
+    frame.truth.lidar = frame.truth.map;  // the maps are lidar, gathered over several turns
+    return frame;
+  };
+  return dataset;
+}
+
 /// Recognises the kind.
 Dataset open_folder(const fs::path& folder, const DatasetRequest& request) {
   if (!fs::is_directory(folder)) throw InputError(folder.string(), "", "is not a folder");
@@ -174,11 +215,13 @@ Dataset open_folder(const fs::path& folder, const DatasetRequest& request) {
   if (has("label_2") && has("calib")) return open_kitti_object(folder, request);
   if (has("training/label_2")) return open_kitti_object(folder / "training", request);
   if (has("tracklet_labels.xml")) return open_kitti_drive(folder, request);
+  if (has("disp_noc")) return open_kitti_stereo(folder, request);
+  if (has("training/disp_noc")) return open_kitti_stereo(folder / "training", request);
   if (has("truth.csv")) return open_foot_points(folder, request);
   if (has("rectified/truth.csv")) return open_foot_points(folder / "rectified", request);
   throw InputError(folder.string(), "",
                    "holds no truth, expected tracklet_labels.xml (KITTI drive), label_2 and calib (KITTI object), "
-                   "truth with left and right (flies synth) or truth.csv (foot points)");
+                   "truth with left and right (flies synth), disp_noc (KITTI stereo) or truth.csv (foot points)");
 }
 
 }  // namespace

@@ -22,13 +22,14 @@ enum class TruthKind {
   kitti_object,  ///< label_2, calib, image_2, image_3 and perhaps velodyne
   scenes,        ///< left, right, truth/*.json and a calibration: `flies synth`, or any program's
   foot_points,   ///< truth.csv, extrinsics.yml and images that end in _0 and _1
+  kitti_stereo,  ///< disp_noc, image_0, image_1 and a calibration an image size; no labelled objects
 };
-inline constexpr std::array<std::string_view, 4> kTruthKindNames = {"KITTI drive", "KITTI object folder",
-                                                                    "folder of scenes", "folder of foot points"};
+inline constexpr std::array<std::string_view, 5> kTruthKindNames = {
+    "KITTI drive", "KITTI object folder", "folder of scenes", "folder of foot points", "KITTI stereo folder"};
 
 /// What the user adds to a folder.
 struct DatasetRequest {
-  std::string calib;                          ///< for scenes and foot points, where the folder holds no calibration
+  std::string calib;  ///< for scenes, foot points and KITTI stereo, where the folder holds no calibration
   std::optional<std::array<int, 2>> cameras;  ///< of a KITTI drive, left and right; else 0 and 1 if there, else 2 and 3
   std::optional<double> camera_height_m, camera_pitch_rad, camera_roll_rad;  ///< overrule the calibration
 };

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <opencv2/core/mat.hpp>
 #include <string>
 
 #include "flies/core/random.hpp"
+#include "flies/io/output_file.hpp"
 #include "flies/io/temporary_folder.hpp"
 
 namespace flies {
@@ -174,6 +176,52 @@ TEST(OpenDataset, ReadsAKittiDriveWithTheCamerasItHas) {
   DatasetRequest request;
   request.cameras = {0, 1};
   EXPECT_THAT(error_of([&] { open_dataset(folder.path("day/drive"), request); }), HasSubstr("image_00"));
+}
+
+/// A map of one disparity, which is a wall ahead.
+cv::Mat wall_map(int width_px = 80) { return {60, width_px, CV_16UC1, cv::Scalar(3 * 256)}; }
+
+TEST(OpenDataset, ReadsAKittiStereoFolderAndTheOneAboveIt) {
+  const Folder folder;
+  folder.add("training/calib_80x60.yaml", kCalibration);
+  // Pairs without a map are none.
+  for (const std::string name : {"000000_10", "000000_11"}) {
+    folder.add("training/image_0/" + name + ".png", picture(1));
+    folder.add("training/image_1/" + name + ".png", picture(2));
+  }
+  fs::create_directories(folder.path("training/disp_noc"));
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path()); }), HasSubstr("holds no disparity maps"));
+  write_png(folder.path("training/disp_noc/000000_10.png"), wall_map());
+  for (const std::string place : {".", "training"}) {
+    const Dataset dataset = open_dataset(folder.path(place));
+    EXPECT_EQ(dataset.kind, TruthKind::kitti_stereo);
+    EXPECT_FALSE(dataset.is_sequence);
+    ASSERT_EQ(dataset.pairs.size(), 1u);
+    const TruthFrame frame = dataset.load(0);
+    EXPECT_EQ(frame.truth.name, "000000_10");
+    EXPECT_EQ(frame.camera.mount.height_m, 1.2);
+    EXPECT_TRUE(frame.truth.objects.empty());
+    ASSERT_EQ(frame.truth.map.size(), 4800u);
+    EXPECT_NEAR(frame.truth.map[0].point.x_m, 10.0, 1e-9);
+    EXPECT_EQ(frame.truth.lidar.size(), 4800u);
+  }
+  write_png(folder.path("training/disp_noc/000000_10.png"), wall_map(70));
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path()).load(0); }), HasSubstr("disp_noc/000000_10.png"));
+  fs::remove(folder.path("training/calib_80x60.yaml"));
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path()).load(0); }), HasSubstr("calib_80x60.yaml"));
+}
+
+TEST(OpenDataset, ReadsTheDisparitiesOfScenesWhereTheyAre) {
+  const Folder folder;
+  folder.add("calib.yaml", kCalibration);
+  for (const int i : {1, 2}) folder.add_scene(i);
+  fs::create_directories(folder.path("disparity"));
+  write_png(folder.path("disparity/2.png"), wall_map());
+  const Dataset dataset = open_dataset(folder.path());
+  EXPECT_TRUE(dataset.load(0).truth.map.empty());
+  const TruthFrame frame = dataset.load(1);
+  EXPECT_EQ(frame.truth.map.size(), 4800u);
+  EXPECT_TRUE(frame.truth.lidar.empty());  // obstacles are held against labels
 }
 
 TEST(OpenDataset, SaysWhatItLooksFor) {

@@ -78,6 +78,49 @@ Pedestrian pedestrian_of(const json& entry, const Place& place) {
   return person;
 }
 
+/// A number or null a sector; `otherwise` for null, and for all when the list is left out.
+std::vector<double> numbers_of(const json& scan, const char* key, std::size_t count, double otherwise,
+                               const Place& place) {
+  const auto found = scan.find(key);
+  if (found == scan.end()) return std::vector<double>(count, otherwise);
+  if (!found->is_array() || found->size() != count)
+    place.fail(key, fmt::format("expected a list of {} numbers, one a sector", count));
+  std::vector<double> numbers;
+  for (const auto& entry : *found) {
+    if (!entry.is_null() && !(entry.is_number() && std::isfinite(entry.get<double>()) && entry.get<double>() >= 0.0))
+      place.fail(fmt::format("{}[{}]", key, numbers.size()),
+                 fmt::format("found {}, expected a number from 0 or null", entry.dump()));
+    numbers.push_back(entry.is_null() ? otherwise : entry.get<double>());
+  }
+  return numbers;
+}
+
+SectorState state_of(char letter, std::size_t sector, const Place& place) {
+  for (std::size_t i = 0; i < kSectorStateNames.size(); ++i)
+    if (kSectorStateNames[i].front() == letter) return static_cast<SectorState>(i);
+  place.fail(fmt::format("states[{}]", sector), "found another letter, expected o, f or u");
+}
+
+Scan scan_of(const json& entry, const Place& place) {
+  if (!entry.is_object()) place.fail("", fmt::format("found {}, expected an object", entry.type_name()));
+  Scan scan;
+  scan.angle_min_rad = number(entry, "angle_min_rad", place);
+  scan.angle_increment_rad = number(entry, "angle_increment_rad", place);
+  if (!(scan.angle_increment_rad > 0.0)) place.fail("angle_increment_rad", "expected a number above 0");
+  const auto states = entry.find("states");
+  if (states == entry.end() || !states->is_string()) place.fail("states", "found none, expected a text");
+  for (const char letter : states->get_ref<const std::string&>())
+    scan.states.push_back(state_of(letter, scan.size(), place));
+  if (!entry.contains("ranges_m")) place.fail("ranges_m", "found none, expected a list");
+  scan.ranges_m = numbers_of(entry, "ranges_m", scan.size(), std::numeric_limits<double>::quiet_NaN(), place);
+  scan.free_m = numbers_of(entry, "free_m", scan.size(), 0.0, place);
+  scan.confidence = numbers_of(entry, "confidence", scan.size(), 1.0, place);
+  for (std::size_t i = 0; i < scan.size(); ++i)
+    if (scan.states[i] == SectorState::obstacle && std::isnan(scan.ranges_m[i]))
+      place.fail(fmt::format("ranges_m[{}]", i), "found null, expected the range of the obstacle");
+  return scan;
+}
+
 /// Sum of the times of the stages before and with the last one; nothing where none is told.
 std::optional<double> time_ms(const json& record, Stage last, const Place& place) {
   const auto stages = record.find("stage_ms");
@@ -117,6 +160,8 @@ ReportedFrame frame_of(const json& record, const std::string& source, int line) 
       frame.pedestrians->push_back(
           pedestrian_of(entry, {source, line, fmt::format("pedestrians[{}]", frame.pedestrians->size())}));
   }
+  if (const auto scan = record.find("scan"); scan != record.end() && !scan->is_null())
+    frame.scan = scan_of(*scan, {source, line, "scan"});
   frame.time_ms = time_ms(record, Stage::concentrate, place);
   frame.people_time_ms = time_ms(record, Stage::classify, place);
   return frame;

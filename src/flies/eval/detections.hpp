@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "flies/core/results.hpp"
+#include "flies/core/scan.hpp"
 #include "flies/io/pair_source.hpp"
 
 namespace flies {
@@ -17,6 +18,7 @@ struct ReportedFrame {
   std::string left;  ///< empty when the line does not say
   std::vector<Obstacle> obstacles;
   std::optional<std::vector<Pedestrian>> pedestrians;  ///< nothing when the line has no such list
+  std::optional<Scan> scan;                            ///< nothing when the line has none
   std::optional<double> time_ms;                       ///< sum of `stage_ms` up to the obstacles
   std::optional<double> people_time_ms;                ///< sum of all of `stage_ms`
 };
@@ -24,7 +26,9 @@ struct ReportedFrame {
 /// Reads JSON Lines of any program. An object needs "obstacles", a list whose entries need "x_m" and "y_m"; "width_m",
 /// "height_m", "score" and "range_m" (else hypot(x, y)) may be left out. "pedestrians" is such a list as well; its
 /// entries need "probability" (else "score", any number that grows with it) and "box" ("u_px", "v_px", "width_px",
-/// "height_px") too, for they are matched in the image. Further keys are ignored, and so are empty lines.
+/// "height_px") too, for they are matched in the image. "scan" is an object as `flies detect --json` writes it: needed
+/// are "angle_min_rad", "angle_increment_rad", "states" (a letter a sector: o, f or u) and "ranges_m" (a number where
+/// the state is o); "free_m" and "confidence" may be left out. Further keys are ignored, and so are empty lines.
 /// @param source file name, for errors
 /// @throws InputError naming the line and the key on malformed JSON, a missing key, a value of another type or a
 ///         position that is not finite

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "flies/core/error.hpp"
 #include "flies/io/writers.hpp"
@@ -111,6 +113,46 @@ TEST(ParseDetections, NamesLineAndField) {
   EXPECT_THAT(of_person(R"([{"x_m": 1, "y_m": 2, "score": 1}])"), HasSubstr("pedestrians[0].box: found none"));
   EXPECT_THAT(of_person(R"([{"x_m": 1, "y_m": 2, "score": 1, "box": {"u_px": 1}}])"),
               HasSubstr("pedestrians[0].box.v_px: found none"));
+}
+
+TEST(ParseDetections, ReadsAScan) {
+  const auto frames = parse_detections(
+      R"({"obstacles": [], "scan": {"angle_min_rad": -0.5, "angle_increment_rad": 0.25, "states": "ofu", )"
+      R"("ranges_m": [7.5, null, null], "free_m": [7, 20, 0], "confidence": [0.9, 0.8, 0]}})"
+      "\n"
+      R"({"obstacles": [], "scan": {"angle_min_rad": 0, "angle_increment_rad": 1, "states": "o", "ranges_m": [3]}})"
+      "\n{\"obstacles\": []}\n",
+      "d.jsonl");
+  ASSERT_EQ(frames.size(), 3u);
+  const Scan& scan = frames[0].scan.value();
+  EXPECT_EQ(scan.angle_min_rad, -0.5);
+  EXPECT_EQ(scan.angle_increment_rad, 0.25);
+  EXPECT_EQ(scan.states, (std::vector{SectorState::obstacle, SectorState::free, SectorState::unknown}));
+  EXPECT_EQ(scan.ranges_m[0], 7.5);
+  EXPECT_TRUE(std::isnan(scan.ranges_m[1]));
+  EXPECT_EQ(scan.free_m, (std::vector{7.0, 20.0, 0.0}));
+  EXPECT_EQ(scan.confidence, (std::vector{0.9, 0.8, 0.0}));
+  EXPECT_EQ(frames[1].scan.value().confidence, std::vector{1.0});
+  EXPECT_EQ(frames[1].scan.value().free_m, std::vector{0.0});
+  EXPECT_FALSE(frames[2].scan.has_value());
+}
+
+TEST(ParseDetections, NamesWhatIsWrongWithAScan) {
+  const auto complaint_of = [](const std::string& scan) {
+    return parse_complaint(R"({"obstacles": [], "scan": )" + scan + "}");
+  };
+  EXPECT_THAT(complaint_of("[]"), HasSubstr("d.jsonl: line 1: scan: found array, expected an object"));
+  EXPECT_THAT(complaint_of("{}"), HasSubstr("scan.angle_min_rad"));
+  const std::string start = R"({"angle_min_rad": 0, "angle_increment_rad": )";
+  EXPECT_THAT(complaint_of(start + "0}"), HasSubstr("scan.angle_increment_rad: expected a number above 0"));
+  EXPECT_THAT(complaint_of(start + "1}"), HasSubstr("scan.states"));
+  EXPECT_THAT(complaint_of(start + R"(1, "states": "ox"})"), HasSubstr("scan.states[1]"));
+  EXPECT_THAT(complaint_of(start + R"(1, "states": "of"})"), HasSubstr("scan.ranges_m: found none"));
+  EXPECT_THAT(complaint_of(start + R"(1, "states": "of", "ranges_m": [4]})"), HasSubstr("a list of 2 numbers"));
+  EXPECT_THAT(complaint_of(start + R"(1, "states": "of", "ranges_m": [4, "5"]})"), HasSubstr("scan.ranges_m[1]"));
+  EXPECT_THAT(complaint_of(start + R"(1, "states": "of", "ranges_m": [null, 5]})"), HasSubstr("scan.ranges_m[0]"));
+  EXPECT_THAT(complaint_of(start + R"(1, "states": "o", "ranges_m": [4], "confidence": [-1]})"),
+              HasSubstr("scan.confidence[0]"));
 }
 
 TEST(MatchDetections, GoesByTheNameOfTheLeftImage) {

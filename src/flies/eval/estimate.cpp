@@ -64,6 +64,7 @@ std::map<MeasureKey, double> named_values(const Measures& measures) {
   Values values;
   add_accuracy(measures.all, Group::all, "", values);
   if (const auto people = measures.people_recall.value()) values[{Group::all, "", "people_recall"}] = *people;
+  if (measures.whole_width_error_m) values[{Group::all, "", "whole_width_error_m"}] = *measures.whole_width_error_m;
   values[{Group::all, "", "obstacles_per_frame"}] = measures.obstacles_per_frame;
   if (measures.reports_per_found_object > 0.0)
     values[{Group::all, "", "reports_per_found_object"}] = measures.reports_per_found_object;

@@ -1,6 +1,8 @@
 #include "flies/eval/evaluation.hpp"
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <utility>
@@ -16,7 +18,13 @@ struct RunRecord {
   std::vector<double> times_ms, evaluations;
   PeopleRun people;  ///< empty when it does not look for them
   std::vector<double> people_times_ms;
+  std::vector<ScanScore> scans;            ///< a pair each; fewer when some pairs have no scan
+  std::map<double, ScanScore> by_setting;  ///< all pairs
 };
+
+/// Of the curves of scans.
+constexpr std::array kScanPoints = {5, 10, 25, 60, 120};
+constexpr std::array kScanConfidences = {0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95};
 
 /// Below the threshold of any model by more than its log-odds reach.
 constexpr double kAllVerdicts = 100.0;
@@ -92,6 +100,34 @@ std::optional<PeopleResult> judge_people(double threshold, const std::vector<Fra
   return result;
 }
 
+/// Nothing when the method has no scan, or no sector is judged.
+std::optional<ScanResult> judge_scan(const Method& method, std::size_t frames, const std::vector<RunRecord>& runs,
+                                     const EvaluationOptions& options) {
+  std::map<double, ScanScore> by_setting;
+  for (const auto& run : runs) {
+    if (run.scans.size() != frames) return std::nullopt;
+    for (const auto& [setting, score] : run.by_setting) by_setting[setting] += score;
+  }
+  ScanResult result;
+  result.estimates = estimate_values(
+      frames, runs.size(),
+      [&](std::size_t run, std::span<const std::size_t> some) { return scan_values(runs[run].scans, some); },
+      options.estimate);
+  if (result.estimates.empty()) return std::nullopt;
+  result.setting = method.scan_setting;
+  constexpr std::size_t kAll = 0;
+  for (const auto& [setting, score] : by_setting)
+    result.curve.push_back({setting, scan_values(std::span(&score, 1), std::span(&kAll, 1))});
+  return result;
+}
+
+void record_scan(const ScanFindings& found, const ScanTruth& truth, const EvaluationOptions& options,
+                 RunRecord& record) {
+  record.scans.push_back(score_scan(truth, found.scan, options.match, options.sectors));
+  for (const auto& [setting, scan] : found.by_setting)
+    record.by_setting[setting] += score_scan(truth, scan, options.match, options.sectors);
+}
+
 MethodResult judge(const Method& method, const std::vector<FrameTruth>& truths, const std::vector<RunRecord>& runs,
                    const EvaluationOptions& options) {
   MethodResult result;
@@ -99,6 +135,7 @@ MethodResult judge(const Method& method, const std::vector<FrameTruth>& truths, 
   result.runs = static_cast<int>(runs.size());
   result.finds_obstacles = method.finds_obstacles;
   result.people = judge_people(method.people_threshold, truths, runs, options);
+  result.scan = judge_scan(method, truths.size(), runs, options);
   if (!method.finds_obstacles) return result;
   std::vector<std::vector<FrameScore>> scores;
   std::vector<double> times_ms, evaluations;
@@ -134,11 +171,21 @@ void count_objects(const std::vector<FrameTruth>& truths, const EvaluationOption
   }
 }
 
+/// With the curve over the least confidence; nothing for an empty scan.
+std::optional<ScanFindings> scan_findings(const Scan& scan) {
+  if (scan.empty()) return std::nullopt;
+  ScanFindings findings{scan};
+  for (const double confidence : kScanConfidences)
+    findings.by_setting.emplace_back(confidence, with_min_confidence(scan, confidence));
+  return findings;
+}
+
 }  // namespace
 
 Method flies_method(const std::string& name, const DetectorOptions& options, int seeds,
                     std::shared_ptr<const PeopleClassifier> classifier, bool is_sequence) {
   Method method{name, {}};
+  method.scan_setting = "min_confidence";
   method.people_threshold = report_threshold(*classifier, options.classify);
   ClassifyOptions for_curve = options.classify;
   for_curve.threshold_offset = for_curve.one_stage_threshold_offset = -kAllVerdicts;
@@ -155,18 +202,25 @@ Method flies_method(const std::string& name, const DetectorOptions& options, int
                             std::accumulate(d.stage_ms.begin(), d.stage_ms.end(), 0.0)};
       return Findings{d.obstacles,
                       stage_ms(d, Stage::road) + stage_ms(d, Stage::evolve) + stage_ms(d, Stage::concentrate),
-                      static_cast<double>(d.evolved.evaluations), std::move(people)};
+                      static_cast<double>(d.evolved.evaluations), std::move(people), scan_findings(d.scan)};
     });
   }
   return method;
 }
 
-Method dense_method(DenseMatcher matcher, const DetectorOptions& options, const DenseOptions& dense) {
-  const std::string name(EnumNames<DenseMatcher>::names[static_cast<std::size_t>(matcher)]);
-  return {name, {[=](std::size_t, const TruthFrame& frame) {
-            DenseDetection found = detect_densely(frame.images.view(), frame.camera, matcher, options, dense);
-            return Findings{std::move(found.obstacles), found.road_ms + found.match_ms + found.concentrate_ms, {}, {}};
-          }}};
+Method dense_method(DenseMatcher matcher, const DetectorOptions& options, const DenseOptions& dense,
+                    const EvaluationOptions& measuring) {
+  Method method{std::string(enum_name(matcher)), {}};
+  method.scan_setting = "scan_points";
+  method.runs.push_back([=](std::size_t, const TruthFrame& frame) {
+    DenseDetection found = detect_densely(frame.images.view(), frame.camera, matcher, options, dense, measuring.match,
+                                          measuring.sectors.increment_deg);
+    ScanFindings scan{dense_scan(found.ranges, dense.scan_points, dense)};
+    for (const int points : kScanPoints) scan.by_setting.emplace_back(points, dense_scan(found.ranges, points, dense));
+    return Findings{
+        std::move(found.obstacles), found.road_ms + found.match_ms + found.concentrate_ms, {}, {}, std::move(scan)};
+  });
+  return method;
 }
 
 Method hog_method(HogDetector detector, const HogOptions& hog) {
@@ -182,10 +236,12 @@ Method hog_method(HogDetector detector, const HogOptions& hog) {
 
 Method reported_method(const std::string& name, std::vector<std::vector<ReportedFrame>> runs) {
   Method method{name, {}};
+  method.scan_setting = "min_confidence";
   for (auto& run : runs)
     method.runs.push_back([frames = std::move(run)](std::size_t pair, const TruthFrame&) {
       const ReportedFrame& frame = frames[pair];
       Findings findings{frame.obstacles, frame.time_ms, {}, {}};
+      if (frame.scan) findings.scan = scan_findings(*frame.scan);
       if (frame.pedestrians) findings.people = PeopleFindings{*frame.pedestrians, frame.people_time_ms};
       return findings;
     });
@@ -203,6 +259,8 @@ Evaluation evaluate(const Dataset& dataset, std::span<const std::size_t> frames,
     TruthFrame frame = dataset.load(pair);
     if (truths.empty())
       check_true_pair(frame.images.view(), frame.camera, dataset.pairs[pair].left, dataset.pairs[pair].right);
+    const ScanTruth sectors = scan_truth(frame.truth, frame.camera, options.match, options.sectors);
+    evaluation.sectors += score_scan(sectors, {}, options.match, options.sectors);
     for (std::size_t m = 0; m < methods.size(); ++m) {
       for (std::size_t r = 0; r < methods[m].runs.size(); ++r) {
         const Findings findings = methods[m].runs[r](pair, frame);
@@ -210,13 +268,14 @@ Evaluation evaluate(const Dataset& dataset, std::span<const std::size_t> frames,
         record.scores.push_back(score_frame(frame.truth, findings.obstacles, options.match));
         if (findings.time_ms) record.times_ms.push_back(*findings.time_ms);
         if (findings.evaluations) record.evaluations.push_back(*findings.evaluations);
+        if (findings.scan) record_scan(*findings.scan, sectors, options, record);
         if (!findings.people) continue;
         record.people.push_back(score_people(frame.truth, findings.people->people, options.people));
         if (findings.people->time_ms) record.people_times_ms.push_back(*findings.people->time_ms);
       }
     }
     evaluation.frames_with_lidar += !frame.truth.lidar.empty();
-    frame.truth.lidar = {};  // scored already, and large
+    frame.truth.lidar = frame.truth.map = {};  // scored already, and large
     truths.push_back(std::move(frame.truth));
     if (progress) progress(truths.size());
   }

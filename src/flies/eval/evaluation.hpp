@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "flies/classify/people_classifier.hpp"
@@ -18,11 +19,21 @@
 #include "flies/eval/estimate.hpp"
 #include "flies/eval/hog_yardstick.hpp"
 #include "flies/eval/people.hpp"
+#include "flies/eval/scan_score.hpp"
+#include "flies/eval/scan_truth.hpp"
 #include "flies/eval/score.hpp"
 #include "flies/eval/yardstick.hpp"
 #include "flies/pipeline/detector.hpp"
 
 namespace flies {
+
+/// How it is measured.
+struct EvaluationOptions {
+  MatchOptions match = {};
+  PeopleOptions people = {};
+  EstimateOptions estimate = {};
+  SectorOptions sectors = {};
+};
 
 /// The people that a method reports for one pair.
 struct PeopleFindings {
@@ -30,12 +41,19 @@ struct PeopleFindings {
   std::optional<double> time_ms;   ///< from the pair to these verdicts
 };
 
+/// The scan that a method reports for one pair.
+struct ScanFindings {
+  Scan scan;
+  std::vector<std::pair<double, Scan>> by_setting = {};  ///< settings of `Method::scan_setting`, for the curve
+};
+
 /// What a method reports for one pair, and what it cost.
 struct Findings {
   std::vector<Obstacle> obstacles;
-  std::optional<double> time_ms;         ///< from the pair to its obstacles, without classification
-  std::optional<double> evaluations;     ///< of the fitness
-  std::optional<PeopleFindings> people;  ///< nothing from a method that does not look for people
+  std::optional<double> time_ms;          ///< from the pair to its obstacles, without classification
+  std::optional<double> evaluations;      ///< of the fitness
+  std::optional<PeopleFindings> people;   ///< nothing from a method that does not look for people
+  std::optional<ScanFindings> scan = {};  ///< nothing from a method that has none
 };
 
 /// Something that finds obstacles: several runs that differ in their seeds. A run sees the pairs in order.
@@ -46,6 +64,7 @@ struct Method {
   std::vector<FindingRun> runs;
   bool finds_obstacles = true;                                         ///< otherwise people only
   double people_threshold = -std::numeric_limits<double>::infinity();  ///< that reported people exceed
+  std::string scan_setting = {};                                       ///< what the curve of its scan goes over
 };
 
 /// The detector with seeds `options.seed`, `options.seed` + 1, ... On a sequence, each pair steers the next one.
@@ -56,7 +75,9 @@ Method flies_method(const std::string& name, const DetectorOptions& options, int
 Method hog_method(HogDetector detector, const HogOptions& hog = {});
 
 /// Dense matching as a yardstick; without random numbers, so one run.
-Method dense_method(DenseMatcher matcher, const DetectorOptions& options, const DenseOptions& dense = {});
+/// @param measuring says which of its points stand on the road
+Method dense_method(DenseMatcher matcher, const DetectorOptions& options, const DenseOptions& dense = {},
+                    const EvaluationOptions& measuring = {});
 
 /// What other programs reported: a run a file, each in the order of the dataset's pairs.
 Method reported_method(const std::string& name, std::vector<std::vector<ReportedFrame>> runs);
@@ -84,6 +105,19 @@ struct PeopleResult {
   std::vector<FalseAlarm> false_alarms;  ///< of the first run at the threshold, in order of frames
 };
 
+/// How the scan came out at a setting, all pairs and runs together.
+struct ScanPoint {
+  double setting = 0.0;
+  std::map<MeasureKey, double> values;  ///< names as of `scan_values`
+};
+
+/// How one method did on its scan.
+struct ScanResult {
+  std::map<MeasureKey, Estimate> estimates;  ///< names as of `scan_values`
+  std::string setting;                       ///< what the curve goes over
+  std::vector<ScanPoint> curve;
+};
+
 /// How one method did.
 struct MethodResult {
   std::string name;
@@ -94,6 +128,7 @@ struct MethodResult {
   std::optional<double> evaluations;  ///< mean over pairs and runs
   std::vector<MissedInRuns> missed;   ///< in order of frames
   std::optional<PeopleResult> people;
+  std::optional<ScanResult> scan;  ///< nothing where it has none, or where no pair has truth for one
 };
 
 /// How many labelled objects of a class or a band of range are to be found.
@@ -110,14 +145,8 @@ struct Evaluation {
   std::vector<ObjectCount> by_range;  ///< from near to far
   int people = 0;                     ///< that are to be found
   std::vector<ObjectCount> people_by_range;
+  ScanScore sectors;  ///< only its counts of sectors: near ones and open ones too
   std::vector<MethodResult> methods;
-};
-
-/// How it is measured.
-struct EvaluationOptions {
-  MatchOptions match = {};
-  PeopleOptions people = {};
-  EstimateOptions estimate = {};
 };
 
 /// Lets every method find obstacles and people in the pairs of the dataset and measures them against its truth.

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace flies {
 namespace {
@@ -108,6 +110,65 @@ TEST(Evaluate, GivesReportsTheIndexOfThePairInTheWholeFolder) {
   const Evaluation evaluation = evaluate(dataset, only_last, {reported_method("reported", {reported})});
   EXPECT_NEAR(evaluation.methods[0].estimates.at({Group::all, "", "recall"}).median, 1.0, kExact);
   EXPECT_FALSE(evaluation.methods[0].time_ms.has_value());
+}
+
+/// Says the same in every direction.
+Scan scan_of(SectorState state, double range_m, double confidence) {
+  constexpr std::size_t kSectors = 20;
+  return {-0.5,
+          0.05,
+          std::vector(kSectors, range_m),
+          std::vector(kSectors, 0.0),
+          std::vector(kSectors, confidence),
+          std::vector(kSectors, state)};
+}
+
+TEST(Evaluate, MeasuresScansWhereThereIsTruth) {
+  Dataset dataset = made_up_dataset(2);
+  dataset.load = [load = dataset.load](std::size_t i) {
+    TruthFrame frame = load(i);
+    for (int k = 0; k < 8; ++k) frame.truth.lidar.push_back({{10.0, 0.01, 1.0}, 1.0});  // a post in one sector
+    return frame;
+  };
+  const auto method = [](const std::string& name, std::vector<Scan> scans) {
+    std::vector<std::vector<ReportedFrame>> runs;
+    for (const auto& scan : scans) {
+      runs.emplace_back(2);
+      for (auto& frame : runs.back()) frame.scan = scan;
+    }
+    return reported_method(name, std::move(runs));
+  };
+  std::vector<ReportedFrame> only_one(2);
+  only_one[0].scan = scan_of(SectorState::obstacle, 10.0, 0.55);
+  const std::vector<std::size_t> frames = {0, 1};
+  const Evaluation evaluation =
+      evaluate(dataset, frames,
+               {method("sure", {scan_of(SectorState::obstacle, 10.5, 0.55)}),
+                method("unsure", {scan_of(SectorState::obstacle, 10.5, 0.55), scan_of(SectorState::unknown, 0.0, 0.0)}),
+                reported_method("some", {only_one}), reported_method("none", {std::vector<ReportedFrame>(2)})});
+  EXPECT_EQ(evaluation.sectors.sectors, 2);
+  EXPECT_EQ(evaluation.sectors.near_sectors, 2);
+  const auto value = [&](std::size_t m, const char* name) {
+    return evaluation.methods[m].scan.value().estimates.at({Group::all, "", name}).median;
+  };
+  EXPECT_NEAR(value(0, "right"), 1.0, kExact);
+  EXPECT_NEAR(value(0, "absolute_range_error"), 10.5 / std::hypot(10.0, 0.01) - 1.0, kExact);
+  EXPECT_NEAR(value(1, "right"), 0.5, kExact);
+  EXPECT_NEAR(value(1, "unknown"), 0.5, kExact);
+  EXPECT_FALSE(evaluation.methods[2].scan.has_value());
+  EXPECT_FALSE(evaluation.methods[3].scan.has_value());
+  // Obstacles of confidence 0.55 are there up to the setting 0.5 and gone from 0.6 on.
+  for (const auto& [setting, values] : evaluation.methods[0].scan.value().curve)
+    EXPECT_NEAR(values.at({Group::all, "", "blind"}), setting < 0.55 ? 0.0 : 1.0, kExact) << setting;
+  EXPECT_EQ(evaluation.methods[0].scan.value().setting, "min_confidence");
+}
+
+TEST(Evaluate, JudgesNoScanWithoutTruthForIt) {
+  const Dataset dataset = made_up_dataset(1);
+  std::vector<ReportedFrame> reported(1);
+  reported[0].scan = scan_of(SectorState::obstacle, 10.0, 1.0);
+  const std::vector<std::size_t> frames = {0};
+  EXPECT_FALSE(evaluate(dataset, frames, {reported_method("reported", {reported})}).methods[0].scan.has_value());
 }
 
 TEST(FliesMethod, RunsSeedsThatDifferAndRepeatThemselves) {

@@ -61,6 +61,7 @@ struct Sums {
   Rate people;
   std::map<std::string, Tally> by_class;
   std::array<Tally, kBandCount> by_range;
+  std::vector<double> whole_width_errors_m;
   std::size_t obstacles = 0;
   int reports = 0, reported_objects = 0;
 };
@@ -76,6 +77,7 @@ void add_obstacles(const FrameTruth& truth, const FrameScore& score, Sums& sums)
     if (verdict.object < 0 || !score.objects[static_cast<std::size_t>(verdict.object)].counted) continue;
     const auto& object = truth.objects[static_cast<std::size_t>(verdict.object)];
     sums.all.add_errors(verdict);
+    if (is_seen_whole(object) && verdict.near_range_m > 0.0) sums.whole_width_errors_m.push_back(verdict.width_error_m);
     sums.by_class[object.type].add_errors(verdict);
     if (const auto band = band_of(near_range_m(object.footprint))) sums.by_range[*band].add_errors(verdict);
   }
@@ -112,6 +114,12 @@ bool is_person(const LabelledObject& object) {
          object.type == "Person (sitting)";
 }
 
+bool is_seen_whole(const LabelledObject& object) {
+  constexpr double kWhole = 0.98;  // boxes are labelled a little too large
+  return (is_person(object) || object.type == "Car" || object.type == "Van") && object.occlusion <= 0 &&
+         object.in_view_fraction >= kWhole && object.truncation <= 1.0 - kWhole;
+}
+
 Measures summarize(std::span<const FrameTruth> truths, std::span<const FrameScore> scores) {
   std::vector<std::size_t> frames(truths.size());
   std::iota(frames.begin(), frames.end(), std::size_t{0});
@@ -128,6 +136,7 @@ Measures summarize(std::span<const FrameTruth> truths, std::span<const FrameScor
     add_objects(truths[f], scores[f], sums, measures.missed);
   }
   measures.all = accuracy_of(sums.all);
+  measures.whole_width_error_m = absolute_median(std::move(sums.whole_width_errors_m));
   measures.people_recall = sums.people;
   for (const auto& [name, tally] : sums.by_class) measures.by_class.push_back({name, accuracy_of(tally)});
   for (std::size_t i = 0; i < kBandCount; ++i) {

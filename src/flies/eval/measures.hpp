@@ -51,8 +51,9 @@ struct MissedObject {
 /// Accuracy over many frames.
 struct Measures {
   Accuracy all;
-  Rate people_recall;                  ///< people and cyclists, `kPeopleReach_m` at most
-  std::vector<AccuracyPart> by_class;  ///< of objects, in alphabetical order; precision knows no classes
+  std::optional<double> whole_width_error_m;  ///< absolute, of what `is_seen_whole`
+  Rate people_recall;                         ///< people and cyclists, `kPeopleReach_m` at most
+  std::vector<AccuracyPart> by_class;         ///< of objects, in alphabetical order; precision knows no classes
   std::vector<AccuracyPart> by_range;  ///< bands of `kRangeBands_m`: of the obstacle for precision, else of the object
   double obstacles_per_frame = 0.0;
   double reports_per_found_object = 0.0;  ///< 1 when nothing is reported twice
@@ -64,6 +65,10 @@ inline constexpr double kPeopleReach_m = 30.0;
 
 /// True for the classes of people, on foot or on a cycle.
 bool is_person(const LabelledObject& object);
+
+/// True for cars, vans and people that lie wholly in view and are labelled as hidden by nothing, so that the whole
+/// width is there to be seen.
+bool is_seen_whole(const LabelledObject& object);
 
 /// Sums the verdicts up. `truths` and `scores` go together, frame by frame.
 Measures summarize(std::span<const FrameTruth> truths, std::span<const FrameScore> scores);

@@ -72,6 +72,23 @@ TEST(Summarize, AddsUpAHandMadeCase) {
   EXPECT_EQ(measures.missed[0].object.type, "Pedestrian");
 }
 
+TEST(Summarize, MeasuresWidthsOfWhatIsSeenWhole) {
+  std::vector<FrameTruth> truths(1);
+  // The seen width of each is 2 m; the last two cannot show it all, and a tram is no car.
+  truths[0].objects = {object_at("Car", 12, 0, 0, 2), object_at("Van", 20, 8, 0, 2), object_at("Tram", 20, -8, 0, 2),
+                       object_at("Car", 30, 12, 0, 2), object_at("Car", 30, -12, 0, 2)};
+  truths[0].objects[1].footprint.yaw_rad = std::atan2(8, 20);
+  truths[0].objects[3].occlusion = 1;
+  truths[0].objects[4].in_view_fraction = 0.6;
+  std::vector<Obstacle> obstacles = {obstacle_at(12, 0), obstacle_at(20, 8), obstacle_at(20, -8), obstacle_at(30, 12),
+                                     obstacle_at(30, -12)};
+  const double widths_m[] = {1.5, 2.1, 9.0, 9.0, 9.0};
+  for (std::size_t i = 0; i < obstacles.size(); ++i) obstacles[i].width_m = widths_m[i];
+  const Measures measures = summarize(truths, std::vector{score_frame(truths[0], obstacles)});
+  ASSERT_TRUE(measures.whole_width_error_m.has_value());
+  EXPECT_NEAR(*measures.whole_width_error_m, 0.3, kExact);  // of 0.5 and 0.1
+}
+
 TEST(Summarize, LeavesMediansEmptyWhenNothingWasReported) {
   std::vector<FrameTruth> truths(1);
   truths[0].objects = {object_at("Car", 12, 0, 4, 2)};

@@ -36,7 +36,8 @@ struct FrameTruth {
   int frame = 0;
   std::string name;  ///< file name stem of its left image
   std::vector<LabelledObject> objects;
-  std::vector<LidarPoint> lidar;          ///< empty when there was none
+  std::vector<LidarPoint> lidar;     ///< empty when there was none
+  std::vector<LidarPoint> map = {};  ///< points of a disparity map, see disparity_map.hpp; empty when there was none
   std::vector<ImageBox> ignored_regions;  ///< of the left image, where people may stand that nobody labelled
 };
 

@@ -70,6 +70,48 @@ TEST_P(DetectDensely, FindsABoardAtItsRange) {
   }
 }
 
+TEST_P(DetectDensely, ScansTheBoard) {
+  const DenseDetection dense = detect_densely(pair.view(), camera(), GetParam(), options);
+  const Scan scan = dense_scan(dense.ranges, 25);
+  int obstacles = 0;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (scan.states[i] != SectorState::obstacle || scan.ranges_m[i] > 30.0) continue;
+    ++obstacles;
+    EXPECT_NEAR(scan.ranges_m[i] * std::cos(scan.angle_rad(i)), kBoard_m, kRangeShare * kBoard_m);
+    EXPECT_LE(std::abs(scan.ranges_m[i] * std::sin(scan.angle_rad(i))), kBoardHalf_m + 0.2);
+  }
+  EXPECT_GE(obstacles, 15);  // the board is 9 degrees wide, 18 sectors
+  for (const auto state : dense_scan(dense.ranges, 10000).states) EXPECT_EQ(state, SectorState::free);
+}
+
+TEST_P(DetectDensely, MatchesTheFirstColumnsButNotWhatTheRightImageLacks) {
+  // A wall at the board's depth over the whole picture: 16 px of disparity, so 16 columns have no match.
+  const auto wall = [](double eye_y_m) {
+    GrayImage picture{camera().width_px, camera().height_px, {}};
+    for (int v = 0; v < picture.height_px; ++v) {
+      for (int u = 0; u < picture.width_px; ++u) {
+        const double y_m = eye_y_m + (camera().cx_px - u) / camera().fx_px * kBoard_m;
+        const auto cell = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(y_m / 0.06)));
+        picture.pixels.push_back(
+            static_cast<std::uint8_t>(philox({cell, static_cast<std::uint32_t>(v / 2), 0, 0}, 3)[0] >> 24));
+      }
+    }
+    return picture;
+  };
+  const GrayPair walls{wall(0.0), wall(-camera().baseline_m)};
+  const DenseDetection dense = detect_densely(walls.view(), camera(), GetParam(), options);
+  const auto& sectors = dense.ranges.of_sector_m;
+  // Column 24, which unpadded matching over 64 disparities leaves out.
+  const auto seen = dense.ranges.bearings.sector_of(std::atan((camera().cx_px - 24) / camera().fx_px));
+  ASSERT_TRUE(seen.has_value());
+  EXPECT_GT(sectors[*seen].size(), 25u);
+  std::size_t beyond = 0;
+  for (std::size_t i = 0; i < sectors.size(); ++i)
+    if (camera().cx_px - camera().fx_px * std::tan(dense.ranges.bearings.angle_rad(i)) < 14)
+      for (const double range_m : sectors[i]) beyond += std::abs(range_m - kBoard_m) < 1.0;
+  EXPECT_EQ(beyond, 0u);
+}
+
 TEST_P(DetectDensely, HasALeastScoreOfItsOwn) {
   // Points weigh 1: no obstacle has more than all of them.
   options.concentrate.assemble.min_score = 2.0;
