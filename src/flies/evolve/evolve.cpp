@@ -111,6 +111,7 @@ void locate(const Habitat& habitat, const ImagePopulation& in_image, Population&
 }  // namespace
 
 void check_evolve_options(const EvolveOptions& options, const std::string& source) {
+  check_options(options, source);
   const double shares = options.crossover_share + options.immigration_share + options.steering_share;
   if (shares > 1.0)
     throw InputError(
@@ -122,6 +123,10 @@ const EvolveResult& Evolver::evolve(const RectifiedPair& pair, const Projection&
                                     const FieldOptions& field, const FitnessOptions& fitness,
                                     const EvolveOptions& options, const RandomSource& random,
                                     std::span<const Obstacle> steer_towards) {
+  check_pair(pair);
+  check_field(field, "field options");
+  check_options(fitness, "fitness options");
+  check_evolve_options(options, "evolve options");
   const Habitat habitat(projection, pair, road, field);
   const Scene scene{habitat, options, steer_towards};
   const int width_px = pair.left.width_px, height_px = pair.left.height_px;

@@ -177,6 +177,7 @@ TEST(Evolver, GivesTheFliesInTheVehicleFrameAndInTheImage) {
 TEST(Evolve, SteersChildrenTowardsTheObstaclesItIsGiven) {
   auto options = small_options();
   options.generations = 0;
+  options.immigration_share = 0.25;
   options.steering_share = 0.5;
   const std::vector<Obstacle> obstacles{
       {.x_m = 30, .y_m = 2, .range_m = 30, .width_m = 0.5, .height_m = 1.8, .box = {}}};

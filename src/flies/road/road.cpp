@@ -216,12 +216,15 @@ RoadPlane search_slopes(const Projection& projection, const std::vector<RoadProb
 }  // namespace
 
 void check_road_options(const RoadOptions& options, const std::string& source) {
+  check_options(options, source);
   if (!(options.x_min_m < options.x_max_m))
     throw InputError(source, "road.x_min_m",
                      fmt::format("the interval {}..{} m is empty", options.x_min_m, options.x_max_m));
 }
 
 RoadResult estimate_road(const RectifiedPair& pair, const Projection& projection, const RoadOptions& options) {
+  check_pair(pair);
+  check_road_options(options, "road options");
   RoadResult result;
   if (!options.estimate) return result;
   const auto places = place_probes(pair, projection, options);
