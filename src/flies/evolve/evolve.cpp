@@ -101,10 +101,25 @@ void keep(std::span<const std::uint32_t> chosen, ImagePopulation& flies) {
   }
 }
 
+/// Whether the point is finite, in single precision too.
+bool is_single(const Point3& point) {
+  const auto fits = [](double value) { return std::isfinite(static_cast<float>(value)); };
+  return fits(point.x_m) && fits(point.y_m) && fits(point.z_m);
+}
+
 void locate(const Habitat& habitat, const ImagePopulation& in_image, Population& flies) {
   flies.resize(in_image.size());
+  const Point3 camera{0.0, 0.0, habitat.projection().height_m()};
   for_parts(0, in_image.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) flies.set(i, habitat.point(in_image.point(i)), in_image.fitness[i]);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Point3 point = habitat.point(in_image.point(i));
+      // So far away that a float cannot tell its disparity from infinity: it is nowhere, and counts for nothing.
+      if (is_single(point)) {
+        flies.set(i, point, in_image.fitness[i]);
+      } else {
+        flies.set(i, camera);
+      }
+    }
   });
 }
 

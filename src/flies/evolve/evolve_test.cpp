@@ -215,5 +215,29 @@ TEST(CheckEvolveOptions, RefusesSharesAboveOne) {
   EXPECT_THROW(check_evolve_options(options, "options"), InputError);
 }
 
+TEST(Evolve, KeepsFliesFiniteForCamerasOfAnyScale) {
+  const Wall wall;
+  for (const double focal_px : {1e-3, 1e9})
+    for (const double baseline_m : {1e-6, 1e6})
+      for (const double right_px : {160.0, -1e5})
+        for (const auto initial :
+             {InitialDistribution::ratios, InitialDistribution::image, InitialDistribution::space}) {
+          auto absurd = camera();
+          absurd.fx_px = absurd.fy_px = focal_px;
+          absurd.baseline_m = baseline_m;
+          absurd.cx_right_px = right_px;
+          absurd.mount.pitch_rad = -0.7;
+          auto options = small_options();
+          options.initial = initial;
+          options.generations = 3;
+          const auto flies = evolve(wall.pair(), Projection(absurd), {}, {}, {}, options, {}).flies;
+          for (std::size_t i = 0; i < flies.size(); ++i) {
+            const auto [point, fitness] = flies.fly(i);
+            ASSERT_TRUE(std::isfinite(point.x_m) && std::isfinite(point.y_m) && std::isfinite(point.z_m)) << focal_px;
+            ASSERT_TRUE(std::isfinite(fitness) && fitness >= 0.0F) << focal_px;
+          }
+        }
+}
+
 }  // namespace
 }  // namespace flies

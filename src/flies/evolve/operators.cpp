@@ -232,6 +232,7 @@ StereoPoint cross(const Habitat& habitat, const StereoPoint& mother, const Stere
   const double mother_weight = (1.0 - share) * (father.disparity_px - infinity_px);
   const double father_weight = share * (mother.disparity_px - infinity_px);
   const double image_share = father_weight / (mother_weight + father_weight);
+  if (!(image_share >= 0.0 && image_share <= 1.0)) return mother;  // a parent is nowhere
   return {std::lerp(mother.u_px, father.u_px, image_share), std::lerp(mother.v_px, father.v_px, image_share),
           std::lerp(mother.disparity_px, father.disparity_px, image_share)};
 }
