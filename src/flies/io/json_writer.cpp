@@ -68,14 +68,17 @@ std::string json_line(const FrameRecord& record) {
   Json stage_ms = Json::object();
   for (std::size_t stage = 0; stage < kStageCount; ++stage)
     stage_ms[std::string(kStageNames[stage])] = milliseconds(record.stage_ms[stage]);
-  const Json object = {{"frame", record.frame},
-                       {"left", record.left},
-                       {"right", record.right},
-                       {"seed", record.seed},
-                       {"preset", record.preset},
-                       {"obstacles", array_of(record.obstacles)},
-                       {"pedestrians", array_of(record.pedestrians)},
-                       {"stage_ms", stage_ms}};
+  Json object = {{"frame", record.frame},
+                 {"left", record.left},
+                 {"right", record.right},
+                 {"seed", record.seed},
+                 {"preset", record.preset},
+                 {"obstacles", array_of(record.obstacles)},
+                 {"pedestrians", array_of(record.pedestrians)}};
+  if (record.error.empty())
+    object["stage_ms"] = stage_ms;
+  else
+    object["error"] = record.error;
   constexpr int kOneLine = -1;
   return object.dump(kOneLine, ' ', false, Json::error_handler_t::replace) + "\n";
 }

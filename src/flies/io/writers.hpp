@@ -18,6 +18,7 @@ struct FrameRecord {
   std::vector<Obstacle> obstacles;
   std::vector<Pedestrian> pedestrians;
   StageTimes_ms stage_ms{};
+  std::string error = {};  ///< why the pair could not be used, when it could not: nothing was looked for in it then
 };
 
 /// One JSON object and a line feed: a line of JSON Lines. Numbers are rounded to millimetres, hundredths of a pixel,
