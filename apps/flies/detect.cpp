@@ -63,6 +63,25 @@ void write_frame(const ProcessedFrame& frame, const std::string& name, const Det
     flies::write_file(path_of_frame(outputs.ply, name, is_single), flies::ply_text(frame.detection->evolved.flies));
 }
 
+struct FirstPair {
+  std::size_t index = 0;
+  flies::GrayPair images;
+};
+
+/// The first pair that can be read, which calibrations that do not tell their size are held against.
+/// @throws flies::InputError of the first pair when none can
+FirstPair first_readable(const std::vector<flies::PairPaths>& pairs) {
+  std::optional<flies::InputError> fault;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    try {
+      return {i, flies::load_pair(pairs[i].left, pairs[i].right)};
+    } catch (const flies::InputError& error) {
+      if (!fault) fault = error;
+    }
+  }
+  throw flies::InputError(*fault);
+}
+
 void run_detect(const DetectArguments& arguments) {
   const flies::DetectorOptions options = effective_options(arguments.method);
   const auto classifier = classifier_for(arguments.method.preset, arguments.model);
@@ -75,57 +94,75 @@ void run_detect(const DetectArguments& arguments) {
   if (options.threads > 0)
     thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
 
-  flies::GrayPair images = flies::load_pair(pairs[0].left, pairs[0].right);
-  auto request = calibration_request(arguments.camera, pairs[0].left, pairs[0].right, images.view());
+  auto [first, images] = first_readable(pairs);
+  auto request = calibration_request(arguments.camera, pairs[first].left, pairs[first].right, images.view());
   request.right_path = arguments.right_calib;
   flies::Calibration calibration = flies::load_calibration(arguments.calib, request);
-  std::optional<flies::Detector> detector;
+  if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+  flies::check_camera_fits(calibration.camera, images.view().left.width_px, images.view().left.height_px,
+                           arguments.calib);
+  calibration.camera.width_px = images.view().left.width_px;
+  calibration.camera.height_px = images.view().left.height_px;
+  flies::Detector detector(calibration.camera, options, classifier);
+  constexpr auto kLines = flies::OutputFile::Kind::lines;
   std::optional<flies::OutputFile> json, csv, scan;
-  if (!arguments.outputs.json.empty()) json.emplace(arguments.outputs.json);
-  if (!arguments.outputs.csv.empty()) csv.emplace(arguments.outputs.csv).write(flies::csv_header());
-  if (!arguments.outputs.scan.empty()) scan.emplace(arguments.outputs.scan).write(flies::scan_csv_header());
+  if (!arguments.outputs.json.empty()) json.emplace(arguments.outputs.json, kLines);
+  if (!arguments.outputs.csv.empty()) csv.emplace(arguments.outputs.csv, kLines).write(flies::csv_header());
+  if (!arguments.outputs.scan.empty()) scan.emplace(arguments.outputs.scan, kLines).write(flies::scan_csv_header());
 
   // The table goes to the terminal that the bar would be drawn on.
   const DetectOutputs& outputs = arguments.outputs;
   const bool prints = !outputs.any() || outputs.json == "-" || outputs.csv == "-" || outputs.scan == "-";
   const ProgressBar progress(prints ? 0 : pairs.size());
+  std::vector<std::string> faults;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto& [left_path, right_path] = pairs[i];
-    if (i > 0) images = flies::load_pair(left_path, right_path);
-    if (calibration.rectifier) images = calibration.rectifier->rectify(images);
-    const flies::RectifiedPair pair = images.view();
-    flies::check_camera_fits(calibration.camera, pair.left.width_px, pair.left.height_px,
-                             i == 0 ? arguments.calib : left_path);
-    if (i == 0) {
-      calibration.camera.width_px = pair.left.width_px;
-      calibration.camera.height_px = pair.left.height_px;
-      detector.emplace(calibration.camera, options, classifier);
+    flies::FrameRecord record{.frame = static_cast<int>(i),
+                              .left = left_path,
+                              .right = right_path,
+                              .seed = options.seed,
+                              .preset = preset_name(options),
+                              .obstacles = {},
+                              .pedestrians = {},
+                              .scan = {},
+                              .error = {}};
+    std::optional<flies::Detection> detection;
+    try {
+      if (i != first) {
+        images = flies::load_pair(left_path, right_path);
+        if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+        flies::check_camera_fits(calibration.camera, images.view().left.width_px, images.view().left.height_px,
+                                 left_path);
+      }
+      flies::check_true_pair(images.view(), calibration.camera, left_path, right_path);
+      detection = detector.process(images.view());
+      record.obstacles = detection->obstacles;
+      record.pedestrians = detection->pedestrians;
+      record.scan = detection->scan;
+      record.stage_ms = detection->stage_ms;
+    } catch (const flies::InputError& fault) {  // costs this pair, not the others
+      if (is_single) throw;
+      faults.emplace_back(fault.what());
+      record.error = fault.what();
     }
-
-    flies::check_true_pair(pair, calibration.camera, left_path, right_path);
-    const flies::Detection detection = detector->process(pair);
-
-    const flies::FrameRecord record{.frame = static_cast<int>(i),
-                                    .left = left_path,
-                                    .right = right_path,
-                                    .seed = options.seed,
-                                    .preset = preset_name(options),
-                                    .obstacles = detection.obstacles,
-                                    .pedestrians = detection.pedestrians,
-                                    .scan = detection.scan,
-                                    .stage_ms = detection.stage_ms};
     if (json) json->write(flies::json_line(record));
     if (csv) csv->write(flies::csv_rows(record));
-    if (scan) scan->write(flies::scan_csv_rows(record));
-    if (!arguments.outputs.any()) print(result_table(record));
-    write_frame({pair, calibration.camera, options, &detection, static_cast<std::uint32_t>(i)}, file_stem(left_path),
-                arguments.outputs, is_single);
+    if (scan && detection) scan->write(flies::scan_csv_rows(record));
+    if (detection && !arguments.outputs.any()) print(result_table(record));
+    if (detection)
+      write_frame({images.view(), calibration.camera, options, &*detection, static_cast<std::uint32_t>(i)},
+                  file_stem(left_path), arguments.outputs, is_single);
     progress.show(i + 1);
   }
+  if (faults.size() == pairs.size())
+    throw flies::InputError(arguments.left, "", "no pair could be used; the first: " + faults.front());
   if (json) json->commit();
   if (csv) csv->commit();
   if (scan) scan->commit();
   say_notes(calibration_notes(calibration, arguments.calib));
+  if (!faults.empty())
+    throw flies::InputError(arguments.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),
+                            "could not be used, the others were; the first: " + faults.front());
 }
 
 void add_input_options(CLI::App& command, DetectArguments& arguments) {
@@ -174,7 +211,9 @@ void setup_detect(CLI::App& app) {
       "given by its dotted name, e.g. --evolve.flies 3000; `flies config --list` prints them all with their\n"
       "range, default and meaning. The preset is overruled by --options FILE, and that by the command line.\n"
       "Without output options a table is printed. On folders, files written per pair carry the name of the\n"
-      "left image: --overlay found.png writes found_0000000012.png. Files appear when they are complete.\n"
+      "left image: --overlay found.png writes found_0000000012.png. Files appear when they are complete;\n"
+      "an interrupted run keeps the lines of --json and --csv that it has finished. In folders, a pair that\n"
+      "cannot be used gets a line with its error, and the run ends with status 2 after the others.\n"
       "\nExamples:\n"
       "  flies detect left.png right.png --calib calib.txt\n"
       "  flies detect image_00/data image_01/data --calib calib_cam_to_cam.txt --json found.jsonl\n"

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/stale_parts.hpp"
 #include "flies/io/unfinished_outputs.hpp"
 
 namespace {
@@ -33,6 +34,7 @@ StagedFolder::StagedFolder(const std::string& folder, std::vector<std::string> e
     if (!is_empty && !force)
       throw flies::InputError(folder_, "", "the folder is not empty; choose another or overwrite with --force");
   }
+  flies::remove_stale_parts(target_);
   part_ = target_.string() + ".part-" + std::to_string(::getpid());
   flies::note_unfinished_output(part_);
   fs::create_directories(part_, error);

@@ -1,14 +1,22 @@
 #include "flies/classify/classify.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <set>
+#include <string>
+#include <string_view>
+
+#include "flies/core/error.hpp"
 
 namespace flies {
 namespace {
+
+constexpr std::string_view kOptionsSource = "classify options";
 
 /// Share of the smaller box that the other one covers.
 double overlap(const ImageBox& a, const ImageBox& b) {
@@ -42,9 +50,39 @@ double middle_height_m(std::span<const Roi> rois) {
   return *std::next(heights_m.begin(), static_cast<std::ptrdiff_t>(heights_m.size() / 2));
 }
 
+/// Looks whose answers are as many and as probable as they must be, whoever wrote the classifier.
+class CheckedLooks {
+ public:
+  CheckedLooks(const PeopleClassifier& classifier, const GrayView& image, std::span<const ImageBox> windows)
+      : name_(classifier.name()), looks_(classifier.look_at(image, windows)) {
+    if (!looks_) throw InputError(name_, "look_at", "found none, expected looks at the windows");
+    const double threshold = classifier.threshold();
+    if (!(threshold >= 0.0 && threshold <= 1.0))
+      throw InputError(name_, "threshold", fmt::format("found {}, expected 0 to 1", threshold));
+  }
+
+  std::vector<double> screen(std::span<const std::size_t> some) { return checked(looks_->screen(some), some.size()); }
+  std::vector<double> classify(std::span<const std::size_t> some) {
+    return checked(looks_->classify(some), some.size());
+  }
+
+ private:
+  std::vector<double> checked(std::vector<double> probabilities, std::size_t expected) const {
+    if (probabilities.size() != expected)
+      throw InputError(name_, "probabilities",
+                       fmt::format("found {}, expected {}, one a window", probabilities.size(), expected));
+    for (const double p : probabilities)
+      if (!(p >= 0.0 && p <= 1.0)) throw InputError(name_, "probability", fmt::format("found {}, expected 0 to 1", p));
+    return probabilities;
+  }
+
+  std::string name_;
+  std::unique_ptr<PeopleLooks> looks_;
+};
+
 /// The first look, most of the time of a frame: at the middle height of an obstacle, and where that is hopeless at no
 /// other. A person a fifth taller or smaller than a box still looks a little like one.
-std::vector<double> screen(PeopleLooks& looks, std::span<const Roi> rois, bool looks_twice,
+std::vector<double> screen(CheckedLooks& looks, std::span<const Roi> rois, bool looks_twice,
                            const ClassifyOptions& options) {
   std::vector<double> probabilities(rois.size(), 0.0);
   const auto screen_those = [&](const auto& is_looked_at) {
@@ -124,7 +162,7 @@ struct Verdicts {
 /// @param places         the surest box of each
 /// @param screened        by the first look
 /// @param first_threshold that lets boxes through
-Verdicts look_again(PeopleLooks& looks, std::span<const Roi> rois, std::span<const std::size_t> places,
+Verdicts look_again(CheckedLooks& looks, std::span<const Roi> rois, std::span<const std::size_t> places,
                     std::span<const double> screened, double first_threshold, const ClassifyOptions& options) {
   const auto by_probability = surest_first(screened, first_threshold);
   std::vector<std::vector<std::size_t>> boxes;
@@ -172,6 +210,7 @@ Roi averaged(const Roi& surest, std::span<const Roi> rois, std::span<const doubl
 }  // namespace
 
 double report_threshold(const PeopleClassifier& classifier, const ClassifyOptions& options) {
+  check_options(options, kOptionsSource);
   const double offset = classifier.looks_twice() ? options.threshold_offset : options.one_stage_threshold_offset;
   const double odds = classifier.threshold() / (1.0 - classifier.threshold()) * std::exp(offset);
   return std::isinf(odds) ? 1.0 : odds / (1.0 + odds);
@@ -180,6 +219,7 @@ double report_threshold(const PeopleClassifier& classifier, const ClassifyOption
 std::vector<std::size_t> suppress_in_metres(std::span<const Roi> rois, std::span<const double> probabilities,
                                             double threshold, const ClassifyOptions& options) {
   assert(rois.size() == probabilities.size());
+  check_options(options, kOptionsSource);
   std::vector<std::size_t> kept;
   for (const std::size_t i : surest_first(probabilities, threshold))
     if (std::none_of(kept.begin(), kept.end(),
@@ -190,16 +230,17 @@ std::vector<std::size_t> suppress_in_metres(std::span<const Roi> rois, std::span
 
 ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, const PeopleClassifier& classifier,
                            const ClassifyOptions& options) {
+  check_options(options, kOptionsSource);
   ClassifyResult result;
   const auto windows = windows_of(rois);
-  const auto looks = classifier.look_at(left, windows);
-  result.screened = screen(*looks, rois, classifier.looks_twice(), options);
+  CheckedLooks looks(classifier, left, windows);
+  result.screened = screen(looks, rois, classifier.looks_twice(), options);
   const double threshold = report_threshold(classifier, options);
   const double first_threshold =
       classifier.looks_twice() ? std::max(classifier.screen_threshold(), options.min_first_probability) : threshold;
   const auto places = suppress_in_metres(rois, result.screened, first_threshold, options);
   const Verdicts verdicts = classifier.looks_twice()
-                                ? look_again(*looks, rois, places, result.screened, first_threshold, options)
+                                ? look_again(looks, rois, places, result.screened, first_threshold, options)
                                 : Verdicts{result.screened, values_at(result.screened, places)};
   std::vector<Roi> candidates;
   for (const std::size_t i : places) candidates.push_back(rois[i]);

@@ -62,6 +62,8 @@ struct ClassifyResult {
 /// of the obstacles that may be people; the surest box at each place on the ground; the classifier's last word on
 /// those.
 /// @param left the image that the boxes belong to, with pixels
+/// @throws InputError naming an option out of its range, or a classifier that does not answer with one probability a
+///         window
 /// Threads: runs on oneTBB's current arena; results do not depend on the number of threads.
 ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, const PeopleClassifier& classifier,
                            const ClassifyOptions& options);

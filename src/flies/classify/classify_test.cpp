@@ -6,6 +6,8 @@
 #include <limits>
 #include <memory>
 
+#include "flies/core/error.hpp"
+
 namespace flies {
 namespace {
 
@@ -103,8 +105,11 @@ TEST(FindPeople, ComparesWithTheThresholdAndItsOffset) {
   EXPECT_EQ(find({person(10, 0)}, {0.6}, options).size(), 0U);
 }
 
-TEST(FindPeople, IgnoresRefusedWindows) {
-  EXPECT_TRUE(find({person(10, 0), person(10, 0)}, {0.0, std::nan("")}).empty());
+TEST(FindPeople, IgnoresRefusedWindows) { EXPECT_TRUE(find({person(10, 0), person(10, 0)}, {0.0, 0.0}).empty()); }
+
+TEST(FindPeople, RefusesAnswersThatAreNoProbabilities) {
+  for (const double wrong : {std::nan(""), -0.1, 1.1})
+    EXPECT_THROW(find({person(10, 0), person(10, 0)}, {0.0, wrong}), InputError) << wrong;
 }
 
 /// Sure of all windows at first, of some only at the second look.

@@ -24,6 +24,8 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kFormat = "flies people model";
 constexpr int kVersion = 1;
 constexpr std::size_t kMaxFile_bytes = std::size_t{1} << 28;
+/// Without the numbers of arrays. Keys are looked up one after the other: more of them would take minutes.
+constexpr std::size_t kMaxRest_bytes = std::size_t{1} << 17;
 constexpr std::string_view kChecksumKey = "\n \"checksum\": ";
 
 /// FNV-1a with 64 bits: short to write in any language, and enough against files cut short or edited.
@@ -281,10 +283,16 @@ void check_checksum(std::string_view text, const std::string& found, const std::
 /// @param is_checked against its checksum
 PeopleModel parse(std::string_view text, const std::string& source, bool is_checked) {
   const SplitText parts = split(text);
+  if (parts.rest.size() > kMaxRest_bytes)
+    throw InputError(
+        source, "",
+        fmt::format("holds {} bytes beside its numbers, expected at most {}", parts.rest.size(), kMaxRest_bytes));
   Json json;
   try {
     json = Json::parse(parts.rest);
-  } catch (const Json::parse_error&) {
+  } catch (const Json::out_of_range&) {
+    throw InputError(source, "", "not a people model: holds a number that is not finite");
+  } catch (const Json::exception&) {
     std::size_t byte = 0;
     try {
       json = Json::parse(text);  // whole, to say where it ends to be JSON

@@ -172,6 +172,13 @@ TEST(ParsePeopleModel, NamesTheFieldThatIsWrong) {
   for (const Case& bad : cases) EXPECT_THAT(error_of(bad.text), AllOf(HasSubstr(bad.field), HasSubstr(bad.complaint)));
 }
 
+TEST(ParsePeopleModel, RefusesNumbersThatOverflowAndEndlessKeys) {
+  EXPECT_THAT(error_of("{\"a\":1e999}"), HasSubstr("not finite"));
+  std::string keys = "{";
+  for (int i = 0; i < 100'000; ++i) keys += "\"k" + std::to_string(i) + "\":0,";
+  EXPECT_THAT(error_of(keys + "\"k\":0}"), HasSubstr("beside its numbers"));
+}
+
 TEST(PeopleModelText, RefusesModelsThatAreInconsistent) {
   const auto complaint = [](const auto& spoil) -> std::string {
     PeopleModel model = tiny_model();

@@ -53,6 +53,8 @@ void Concentrator::reserve(std::size_t flies, const ConcentrateOptions& options)
 const ConcentrateResult& Concentrator::concentrate(const Population& flies, const Projection& projection,
                                                    const RoadPlane& road, const FieldOptions& field,
                                                    const ConcentrateOptions& options) {
+  check_options(options, "concentrate options");
+  check_field(field, "field options");
   auto& [axis, view_angles, shifted, candidates, obstacles, obstacle_of_fly] = result_;
   reserve(flies.size(), options);
   sighter_.sight(flies, road, field, sightings_);

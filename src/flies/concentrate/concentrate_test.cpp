@@ -362,5 +362,29 @@ TEST(Concentrator, AllocatesNothingOnceItHasSeenAPopulationOfTheSize) {
   EXPECT_EQ(testing::allocations, before);
 }
 
+TEST(Concentrate, GivesBoxesToACameraThatLeans) {
+  for (const double roll_rad : {-0.7, -0.2, 0.2, 0.7}) {
+    for (const double pitch_rad : {-0.7, 0.0, 0.7}) {
+      Population flies;
+      add_board(flies, 12, -4, 1.0, 1.8, 300);
+      add_board(flies, 14, 4, 0.2, 2.2, 300);
+      auto leaning = camera();
+      leaning.mount.roll_rad = roll_rad;
+      leaning.mount.pitch_rad = pitch_rad;
+      const auto found = concentrate(flies, Projection(leaning), {}, {}, {});
+      ASSERT_FALSE(found.obstacles.empty()) << roll_rad;
+      for (const auto& obstacle : found.obstacles) {
+        const Point3 middle{obstacle.x_m, obstacle.y_m, 0.5 * obstacle.height_m};
+        const auto seen = Projection(leaning).project(middle);
+        const auto& box = obstacle.box;
+        EXPECT_GT(box.width_px, 0.0) << roll_rad;
+        EXPECT_GT(box.height_px, 0.0) << roll_rad;
+        EXPECT_TRUE(seen.u_px > box.u_px && seen.u_px < box.u_px + box.width_px) << roll_rad;
+        EXPECT_TRUE(seen.v_px > box.v_px && seen.v_px < box.v_px + box.height_px) << roll_rad;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace flies

@@ -86,6 +86,8 @@ void sample_histograms(const Sightings& flies, const FieldOptions& field, const 
 
 HistogramSampling sample_histograms(const Population& flies, const FieldOptions& field,
                                     const ConcentrateOptions& options) {
+  check_options(options, "concentrate options");
+  check_field(field, "field options");
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const FieldOptions ahead{field.x_min_m, kInfinity, -kInfinity, kInfinity, -kInfinity, kInfinity};
   Sightings sightings;

@@ -72,6 +72,7 @@ void shift_means(const PixelGrid& flies, const ConcentrateOptions& options, std:
 
 std::vector<ShiftedPoint> shift_means(const std::vector<PixelPoint>& starts, const std::vector<DroppedFly>& flies,
                                       const ConcentrateOptions& options) {
+  check_options(options, "concentrate options");
   std::vector<ShiftedPoint> points;
   for (const auto& start : starts) points.push_back({start, start});
   shift_means(fill_grid(flies, options.bandwidth_px), options, points);

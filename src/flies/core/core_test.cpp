@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/field.hpp"
 #include "flies/core/fly.hpp"
@@ -262,6 +263,25 @@ TEST(Population, KeepsItsArraysOfEqualLength) {
   EXPECT_EQ(flies.point(0).y_m, 2.0);
   EXPECT_EQ(flies.fly(0).fitness, 0.5F);
   EXPECT_EQ(flies.fitness.size(), 2U);
+}
+
+TEST(WholeNumber, IsNothingForWhatDoesNotFit) {
+  EXPECT_EQ(whole_number<int>(-3.0), -3);
+  EXPECT_EQ(whole_number<int>(2147483647.0), 2147483647);
+  EXPECT_EQ(whole_number<std::int64_t>(9e18), 9000000000000000000);
+  for (const double wrong : {0.5, 2147483648.0, -2147483649.0, 1e30, 1e300, std::nan(""), HUGE_VAL})
+    EXPECT_EQ(whole_number<int>(wrong), std::nullopt) << wrong;
+  EXPECT_EQ(whole_number<std::int64_t>(9.3e18), std::nullopt);
+  EXPECT_EQ(whole_number<std::uint32_t>(-1.0), std::nullopt);
+}
+
+TEST(Saturated, IsTheNearestNumberThereIs) {
+  EXPECT_EQ(saturated<int>(-3.7), -3);
+  EXPECT_EQ(saturated<int>(1e30), std::numeric_limits<int>::max());
+  EXPECT_EQ(saturated<int>(-HUGE_VAL), std::numeric_limits<int>::min());
+  EXPECT_EQ(saturated<int>(std::nan("")), 0);
+  EXPECT_EQ(saturated<std::uint32_t>(-1.0), 0U);
+  EXPECT_EQ(saturated<std::uint64_t>(1e30), std::numeric_limits<std::uint64_t>::max());
 }
 
 }  // namespace

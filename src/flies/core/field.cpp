@@ -7,6 +7,7 @@
 namespace flies {
 
 void check_field(const FieldOptions& field, const std::string& source) {
+  check_options(field, source);
   const auto require_interval = [&](const char* name, double min_m, double max_m) {
     if (!(min_m < max_m)) throw InputError(source, name, fmt::format("the interval {}..{} m is empty", min_m, max_m));
   };

@@ -33,7 +33,7 @@ inline bool in_field(const FieldOptions& field, const RoadPlane& road, const Poi
          height_m >= field.z_min_m && height_m <= field.z_max_m;
 }
 
-/// @throws InputError naming `source` and the interval that is empty
+/// @throws InputError naming `source` and the bound out of range or the interval that is empty
 void check_field(const FieldOptions& field, const std::string& source);
 
 }  // namespace flies

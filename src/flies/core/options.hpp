@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -46,7 +48,8 @@ concept NamedEnum = std::is_enum_v<T> && requires {
 
 template <NamedEnum Enum>
 constexpr std::string_view enum_name(Enum value) {
-  return EnumNames<Enum>::names[static_cast<std::size_t>(value)];
+  const auto index = static_cast<std::size_t>(value);
+  return index < EnumNames<Enum>::names.size() ? EnumNames<Enum>::names[index] : "no such value";
 }
 
 /// One option as text, ready to print.
@@ -101,6 +104,30 @@ template <class Options, class Leaf>
 void for_each_leaf(Options& options, const std::string& prefix, const Leaf& leaf) {
   std::remove_const_t<Options>::fields(options, LeafVisitor<Leaf>{prefix, leaf});
 }
+
+/// Clears `ok` when some field is out of its range. Needs no text and no memory, unlike `for_each_leaf`.
+struct RangeChecker {
+  bool& ok;
+
+  template <class T>
+  void operator()(std::string_view, const T& field, Range range, std::string_view) const {
+    if constexpr (NamedEnum<T>) {
+      ok = ok && static_cast<std::size_t>(field) < EnumNames<T>::names.size();
+    } else if constexpr (std::same_as<T, double>) {
+      ok = ok && std::isfinite(field) && field >= range.min && field <= range.max;
+    } else if constexpr (std::same_as<T, int>) {
+      ok = ok && field >= range.min && field <= range.max;
+    }
+  }
+  template <class T>
+  void operator()(std::string_view name, const T& field, std::string_view meaning) const {
+    (*this)(name, field, Range{}, meaning);
+  }
+  template <class T>
+  void operator()(std::string_view, const T& nested) const {
+    T::fields(nested, *this);
+  }
+};
 
 }  // namespace detail
 
@@ -160,10 +187,15 @@ void set_option(Options& options, std::string_view path, std::string_view text, 
   if (!found) detail::throw_unknown_option(path, known, source);
 }
 
-/// Checks every value against its declared range, for options that were set in code.
+/// Checks every value against its declared range, for options that were set in code. Costs next to nothing when all is
+/// well: every stage that may be called on its own does it.
 /// @throws InputError naming `source` and the option
 template <class Options>
-void check_options(const Options& options, const std::string& source) {
+void check_options(const Options& options, std::string_view source_name) {
+  bool ok = true;
+  Options::fields(options, detail::RangeChecker{ok});
+  if (ok) return;
+  const std::string source(source_name);
   Options copy = options;
   for (const auto& listing : list_options(options)) set_option(copy, listing.path, listing.value, source);
 }

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
 
@@ -17,6 +17,9 @@ namespace flies {
 namespace {
 
 using nlohmann::json;
+
+/// Metres, pixels, milliseconds and scores stay far below; larger numbers would overflow what is computed from them.
+constexpr double kMaxReported = 1e15;
 
 /// A place in the file, for errors.
 struct Place {
@@ -35,7 +38,7 @@ std::optional<double> optional_number(const json& object, const char* key, const
   if (found == object.end() || found->is_null()) return std::nullopt;
   if (!found->is_number()) place.fail(key, fmt::format("found {}, expected a number", found->type_name()));
   const double value = found->get<double>();
-  if (!std::isfinite(value)) place.fail(key, "found a number that is not finite");
+  if (!(std::abs(value) <= kMaxReported)) place.fail(key, fmt::format("found {}, which nothing measures", value));
   return value;
 }
 
@@ -140,10 +143,12 @@ ReportedFrame frame_of(const json& record, const std::string& source, int line) 
   ReportedFrame frame;
   frame.line = line;
   if (const auto found = record.find("frame"); found != record.end()) {
-    if (!found->is_number_integer() || found->get<double>() < 0 ||
-        found->get<double>() > std::numeric_limits<int>::max())
-      place.fail("frame", fmt::format("found {}, expected a whole number from 0", found->dump()));
-    frame.frame = found->get<int>();
+    const auto whole = found->is_number() ? whole_number<int>(found->get<double>()) : std::nullopt;
+    if (!whole || *whole < 0)  // not printed: what is nested without end cannot be
+      place.fail("frame", found->is_number()
+                              ? fmt::format("found {}, expected a whole number from 0", found->get<double>())
+                              : fmt::format("found {}, expected a whole number from 0", found->type_name()));
+    frame.frame = *whole;
   }
   if (const auto found = record.find("left"); found != record.end()) {
     if (!found->is_string()) place.fail("left", fmt::format("found {}, expected a file name", found->type_name()));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/io/temporary_folder.hpp"
 #include "flies/io/writers.hpp"
 
 namespace flies {
@@ -178,6 +179,20 @@ TEST(MatchDetections, AsksForOneLineAPair) {
               HasSubstr("d.jsonl: line 2: found a second line for pair 1"));
   EXPECT_THAT(match_complaint("{\"left\": \"a.png\", \"obstacles\": []}\n{\"left\": \"c.png\", \"obstacles\": []}\n"),
               HasSubstr("d.jsonl: left: found no line for pair b"));
+}
+
+TEST(ParseDetections, RefusesNumbersThatOverflowAndNestingWithoutEnd) {
+  const auto error_with = [](const std::string& frame, const std::string& x_m) {
+    return flies::testing::error_of([&] {
+      parse_detections("{\"frame\": " + frame + ", \"obstacles\": [{\"x_m\": " + x_m + ", \"y_m\": 1}]}", "d.jsonl");
+    });
+  };
+  EXPECT_EQ(error_with("3", "8"), "no error");
+  for (const char* frame : {"1e30", "2147483648", "-1", "0.5"})
+    EXPECT_THAT(error_with(frame, "8"), ::testing::HasSubstr("expected a whole number")) << frame;
+  const std::string deep = std::string(100'000, '[') + std::string(100'000, ']');
+  EXPECT_THAT(error_with(deep, "8"), ::testing::HasSubstr("frame: found array"));
+  EXPECT_THAT(error_with("3", "1e300"), ::testing::HasSubstr("obstacles[0].x_m: found 1e+300"));
 }
 
 }  // namespace

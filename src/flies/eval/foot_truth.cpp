@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
 
@@ -41,7 +42,7 @@ std::vector<FrameTruth> parse_foot_points(std::string_view text, const std::stri
     }
     if (!(values[9] > 0.0)) throw InputError(source, field, fmt::format("found Z {}, expected > 0", values[9]));
 
-    const auto frame = static_cast<std::size_t>(values[0]) - 1;
+    const std::size_t frame = saturated<std::size_t>(values[0]) - 1;
     while (frames.size() <= frame) {
       FrameTruth empty;
       empty.frame = static_cast<int>(frames.size());
@@ -50,7 +51,9 @@ std::vector<FrameTruth> parse_foot_points(std::string_view text, const std::stri
     const Point3 foot = vehicle_from_left_camera(camera, projection, {values[7], values[8], values[9]});
     LabelledObject person;
     person.type = "Pedestrian";
-    person.track = static_cast<int>(values[1]);
+    const auto track = whole_number<int>(values[1]);
+    if (!track) throw InputError(source, field, fmt::format("found person {}, expected a whole number", values[1]));
+    person.track = *track;
     // The lower edge of a box is where the nearer foot stands: the near face.
     const double azimuth_rad = std::atan2(foot.y_m, foot.x_m);
     person.footprint = {foot.x_m + kPersonFootprint_m / 2.0 * std::cos(azimuth_rad),

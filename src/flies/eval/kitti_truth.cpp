@@ -20,8 +20,10 @@ namespace {
 
 constexpr double kMinInView = 0.5;  // at least half of the box inside the image
 constexpr double kMaxTruncation = 0.5;
-constexpr double kMinFree = 0.5;     // of a box whose occlusion is labelled "unknown"
-constexpr double kMinDepth_m = 0.5;  // objects beside and behind the camera are not looked at
+constexpr double kMinFree = 0.5;          // of a box whose occlusion is labelled "unknown"
+constexpr double kMinDepth_m = 0.5;       // objects beside and behind the camera are not looked at
+constexpr double kLidarReach_m = 1000.0;  // of any sensor; farther returns, and those that are no numbers, are damage
+constexpr int kMostFrames = 1'000'000;    // of a drive
 constexpr int kFullyOccluded = 2, kOcclusionUnknown = 3, kOutsideImage = 2;
 
 using detail::LidarPlace;
@@ -86,7 +88,9 @@ std::vector<LidarPoint> read_lidar(const std::filesystem::path& path, const Lida
     std::array<float, 3> xyz{};
     std::memcpy(xyz.data(), bytes.data() + at, sizeof(xyz));
     const Point3 in_camera = place.in_left_camera({xyz[0], xyz[1], xyz[2]});
-    if (in_camera.z_m > kMinDepth_m) points.push_back(vehicle_from_left_camera(camera, projection, in_camera));
+    const bool is_near = std::hypot(in_camera.x_m, in_camera.y_m, in_camera.z_m) < kLidarReach_m;  // not so a NaN
+    if (is_near && in_camera.z_m > kMinDepth_m)
+      points.push_back(vehicle_from_left_camera(camera, projection, in_camera));
   }
   return measure_above_road(points);
 }
@@ -112,7 +116,8 @@ double child_number(const pugi::xml_node& node, const char* field, const std::st
 }
 
 int child_int(const pugi::xml_node& node, const char* field, const std::string& source) {
-  return static_cast<int>(std::lround(child_number(node, field, source)));
+  child_number(node, field, source);  // tells what is missing
+  return detail::parse_whole_number(detail::trimmed(node.child(field).text().get()), source, field);
 }
 
 void check_has_size(const StereoCamera& camera) {
@@ -152,6 +157,8 @@ std::vector<TrackletPose> parse_tracklets(std::string_view xml, const std::strin
       throw InputError(source, "h, w, l", fmt::format("tracklet {}: found a size that is not positive", pose.track));
     }
     pose.frame = child_int(item, "first_frame", source);
+    if (pose.frame < 0 || pose.frame > kMostFrames)
+      throw InputError(source, "first_frame", fmt::format("found {}, expected 0 to {}", pose.frame, kMostFrames));
     for (const auto& place : item.child("poses").children("item")) {
       pose.bottom_centre = {child_number(place, "tx", source), child_number(place, "ty", source),
                             child_number(place, "tz", source)};
@@ -180,7 +187,7 @@ std::vector<KittiLabel> parse_labels(std::string_view text, const std::string& s
     const auto at = [&](std::size_t i) { return parse_number(words[i], source, field); };
     labels.push_back({words[0],
                       at(1),
-                      static_cast<int>(at(2)),
+                      detail::parse_whole_number(words[2], source, field),
                       {at(4), at(5), at(6) - at(4), at(7) - at(5)},
                       at(8),
                       at(9),
@@ -206,8 +213,7 @@ KittiDrive::KittiDrive(const std::filesystem::path& drive, const StereoCamera& c
 FrameTruth KittiDrive::read(const std::string& name) const {
   FrameTruth truth;
   truth.name = name;
-  truth.frame = static_cast<int>(
-      parse_number(name.substr(std::min(name.find_first_not_of('0'), name.size() - 1)), drive_.string(), "image name"));
+  truth.frame = detail::parse_whole_number(name, drive_.string(), "image name");
   truth.lidar = read_lidar(drive_ / "velodyne_points" / "data" / (name + ".bin"), place_, camera_);
   std::vector<bool> labelled_in_view;
   for (const auto& pose : poses_) {
@@ -243,7 +249,7 @@ FrameTruth read_kitti_object(const std::filesystem::path& folder, const std::str
   FrameTruth truth;
   truth.name = name;
   const auto all_digits = std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
-  truth.frame = all_digits ? static_cast<int>(parse_number(name, label_path.string(), "file name")) : 0;
+  truth.frame = all_digits ? detail::parse_whole_number(name, label_path.string(), "file name") : 0;
   truth.lidar = read_lidar(folder / "velodyne" / (name + ".bin"), place, camera);
   int line = 0;
   for (const auto& label : parse_labels(detail::read_file(label_path), label_path.string())) {

@@ -20,6 +20,7 @@ double number(const nlohmann::json& object, const char* key, const std::string& 
   if (found == object.end() || !found->is_number()) {
     throw InputError(source, where + "." + key, "found none, expected a number");
   }
+  detail::check_number(found->get<double>(), source, where + "." + key);
   return found->get<double>();
 }
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
 
 namespace flies::detail {
@@ -23,7 +24,19 @@ double parse_number(std::string_view text, const std::string& source, const std:
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
     throw InputError(source, field, fmt::format("found \"{}\", expected a number", text));
   }
+  check_number(value, source, field);
   return value;
+}
+
+int parse_whole_number(std::string_view text, const std::string& source, const std::string& field) {
+  const auto number = whole_number<int>(parse_number(text, source, field));
+  if (!number) throw InputError(source, field, fmt::format("found \"{}\", expected a whole number", text));
+  return *number;
+}
+
+void check_number(double value, const std::string& source, const std::string& field) {
+  if (!(std::abs(value) <= kMaxNumber))
+    throw InputError(source, field, fmt::format("found {}, expected a number within +-{}", value, kMaxNumber));
 }
 
 std::string_view trimmed(std::string_view text) {

@@ -11,8 +11,18 @@ namespace flies::detail {
 /// cannot be read
 std::string read_file(const std::filesystem::path& path);
 
-/// A finite number that fills the whole text. @throws InputError naming `source` and `field`
+/// Labels hold metres, pixels and counts of frames. Larger numbers are damage, and would overflow what is computed from
+/// them.
+inline constexpr double kMaxNumber = 1e9;
+
+/// A number within +-`kMaxNumber` that fills the whole text. @throws InputError naming `source` and `field`
 double parse_number(std::string_view text, const std::string& source, const std::string& field);
+
+/// The same without a fraction.
+int parse_whole_number(std::string_view text, const std::string& source, const std::string& field);
+
+/// @throws InputError naming `source` and `field` unless the value is within +-`kMaxNumber`
+void check_number(double value, const std::string& source, const std::string& field);
 
 /// `text` without white space at its ends.
 std::string_view trimmed(std::string_view text);

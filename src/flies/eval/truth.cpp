@@ -7,6 +7,8 @@
 #include <map>
 #include <utility>
 
+#include "flies/core/convert.hpp"
+
 namespace flies {
 namespace {
 
@@ -39,7 +41,7 @@ Plane refine(const Plane& plane, std::span<const Point3> points, double gate_m) 
   std::array<std::array<double, 3>, 3> normal{};
   std::array<double, 3> right{};
   for (const auto& p : points) {
-    if (p.x_m > kPlaneReach_m || std::abs(plane.residual(p)) > gate_m) continue;
+    if (!(p.x_m <= kPlaneReach_m) || !std::isfinite(p.y_m) || !(std::abs(plane.residual(p)) <= gate_m)) continue;
     const std::array<double, 3> row = {1.0, p.x_m, p.y_m};
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = 0; j < 3; ++j) normal[i][j] += row[i] * row[j];
@@ -65,7 +67,9 @@ double quantile(std::vector<double>& values, double q) {
 
 using Cell = std::pair<int, int>;
 Cell cell_of(const Point3& p) {
-  return {static_cast<int>(std::floor(p.x_m / kCell_m)), static_cast<int>(std::floor(p.y_m / kCell_m))};
+  // Far from the ends of int: neighbours are counted from here.
+  const auto index = [](double at_m) { return saturated<int>(std::clamp(std::floor(at_m / kCell_m), -1e9, 1e9)); };
+  return {index(p.x_m), index(p.y_m)};
 }
 
 /// How far the road around the cell lies over the plane.
@@ -124,7 +128,8 @@ std::vector<LidarPoint> measure_above_road(std::span<const Point3> points) {
   for (const double gate_m : kPlaneGates_m) plane = refine(plane, points, gate_m);
 
   std::map<Cell, std::vector<double>> residuals;
-  for (const auto& p : points) residuals[cell_of(p)].push_back(plane.residual(p));
+  for (const auto& p : points)
+    if (std::isfinite(plane.residual(p))) residuals[cell_of(p)].push_back(plane.residual(p));
   std::map<Cell, double> low_of_cell;
   for (auto& [cell, values] : residuals) {
     if (values.size() >= kMinCellPoints) low_of_cell[cell] = quantile(values, kLowQuantile);

@@ -46,7 +46,7 @@ Point3 vehicle_from_left_camera(const StereoCamera& camera, const Projection& pr
 
 /// Measures every lidar point over the road near it: a plane is fitted to the whole scene from the nominal ground
 /// upwards, then corrected by the low end of the returns in the 1 m cells around the point, so that slopes, kerbs
-/// and crowned roads do not turn into obstacles.
+/// and crowned roads do not turn into obstacles. A point that is not finite has no height over the road: NaN.
 std::vector<LidarPoint> measure_above_road(std::span<const Point3> points);
 
 /// Fills `in_view_fraction`, and `lidar_points` when there is lidar.

@@ -168,6 +168,55 @@ TEST(ParseSceneTruth, NamesFileAndObject) {
               testing::HasSubstr("s.json: objects[0].x_m"));
 }
 
+// Numbers that fit into a double and into nothing else.
+
+TEST(ParseLabels, RefusesNumbersThatOverflow) {
+  const std::string rest = " -0.20 712 143 810 307 1.89 0.48 1.20 1.84 1.47 8.41 0.01\n";
+  EXPECT_THAT(complaint([&] { parse_labels("Pedestrian 0.00 1e30" + rest, "7.txt"); }),
+              testing::HasSubstr("7.txt: line 1: found 1e+30, expected a number within"));
+  EXPECT_THAT(complaint([&] { parse_labels("Pedestrian 0.00 0.5" + rest, "7.txt"); }),
+              testing::HasSubstr("expected a whole number"));
+  EXPECT_THAT(complaint([&] { parse_labels("Pedestrian 1e300 0" + rest, "7.txt"); }), testing::HasSubstr("line 1"));
+}
+
+TEST(ParseTracklets, RefusesNumbersThatOverflow) {
+  const auto complaint_of = [](const std::string& first_frame, const std::string& occlusion) {
+    return complaint([&] {
+      parse_tracklets(
+          "<boost_serialization><tracklets><item><objectType>Car</objectType><h>1</h><w>1</w><l>4</l>"
+          "<first_frame>" +
+              first_frame + "</first_frame><poses><item><tx>15</tx><ty>2</ty><tz>-1</tz><rz>1</rz><occlusion>" +
+              occlusion +
+              "</occlusion><truncation>0</truncation></item></poses></item></tracklets>"
+              "</boost_serialization>",
+          "t.xml");
+    });
+  };
+  for (const char* frame : {"1e30", "2147483647", "-1", "0.5"})
+    EXPECT_THAT(complaint_of(frame, "0"), testing::HasSubstr("t.xml: first_frame: found")) << frame;
+  EXPECT_THAT(complaint_of("0", "1e300"), testing::HasSubstr("t.xml: occlusion: found"));
+}
+
+TEST(ParseFootPoints, RefusesNumbersThatOverflow) {
+  const auto camera = level_camera();
+  const auto parse = [&](const char* text) { return complaint([&] { parse_foot_points(text, "t.csv", camera); }); };
+  EXPECT_THAT(parse("1,1e300,100,50,30,90,1,1.0,0.9,8.0\n"), testing::HasSubstr("t.csv: line 1: found"));
+  EXPECT_THAT(parse("1,0.5,100,50,30,90,1,1.0,0.9,8.0\n"), testing::HasSubstr("found person 0.5"));
+  EXPECT_THAT(parse("1e30,1,100,50,30,90,1,1.0,0.9,8.0\n"), testing::HasSubstr("t.csv: line 1: found"));
+}
+
+TEST(ParseSceneTruth, RefusesNumbersThatOverflow) {
+  for (const char* x_m : {"1e300", "-1e300", "1e10"})
+    EXPECT_THAT(complaint([&] {
+                  parse_scene_truth(
+                      std::string(R"({"objects": [{"class": "car", "y_m": 0, "length_m": 4, "width_m": 2,)") +
+                          R"( "height_m": 2, "x_m": )" + x_m + "}]}",
+                      "s.json");
+                }),
+                testing::HasSubstr("s.json: objects[0].x_m: found"))
+        << x_m;
+}
+
 TEST(VehicleFromLeftCamera, SwapsTheAxesAndAddsTheHeight) {
   const auto camera = level_camera();
   const Point3 point = vehicle_from_left_camera(camera, Projection(camera), {2.0, 1.65, 10.0});
@@ -213,6 +262,17 @@ TEST(MeasureAboveRoad, IsNotLiftedByAWall) {
   for (std::size_t i = 0; i < measured.size(); ++i) {
     EXPECT_NEAR(measured[i].above_road_m, points[i].z_m, kRoadNoise_m);
   }
+}
+
+TEST(MeasureAboveRoad, BearsPointsFarOutAndThoseThatAreNone) {
+  auto points = sloping_road(0.0, 0.0, 0.0);
+  const std::size_t count = points.size();
+  for (const double far : {1e10, 1e30, 1e300, -1e300, HUGE_VAL, std::nan("")})
+    for (const Point3& point : {Point3{far, 0.0, 1.0}, Point3{5.0, far, 1.0}, Point3{5.0, 0.0, far}})
+      points.push_back(point);
+  const auto measured = measure_above_road(points);
+  ASSERT_EQ(measured.size(), points.size());
+  for (std::size_t i = 0; i < count; ++i) EXPECT_NEAR(measured[i].above_road_m, 0.0, kRoadNoise_m);
 }
 
 TEST(MeasureAboveRoad, KeepsTheNominalGroundWithoutPoints) {

@@ -101,16 +101,32 @@ void keep(std::span<const std::uint32_t> chosen, ImagePopulation& flies) {
   }
 }
 
+/// Whether the point is finite, in single precision too.
+bool is_single(const Point3& point) {
+  const auto fits = [](double value) { return std::isfinite(static_cast<float>(value)); };
+  return fits(point.x_m) && fits(point.y_m) && fits(point.z_m);
+}
+
 void locate(const Habitat& habitat, const ImagePopulation& in_image, Population& flies) {
   flies.resize(in_image.size());
+  const Point3 camera{0.0, 0.0, habitat.projection().height_m()};
   for_parts(0, in_image.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) flies.set(i, habitat.point(in_image.point(i)), in_image.fitness[i]);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Point3 point = habitat.point(in_image.point(i));
+      // So far away that a float cannot tell its disparity from infinity: it is nowhere, and counts for nothing.
+      if (is_single(point)) {
+        flies.set(i, point, in_image.fitness[i]);
+      } else {
+        flies.set(i, camera);
+      }
+    }
   });
 }
 
 }  // namespace
 
 void check_evolve_options(const EvolveOptions& options, const std::string& source) {
+  check_options(options, source);
   const double shares = options.crossover_share + options.immigration_share + options.steering_share;
   if (shares > 1.0)
     throw InputError(
@@ -122,6 +138,10 @@ const EvolveResult& Evolver::evolve(const RectifiedPair& pair, const Projection&
                                     const FieldOptions& field, const FitnessOptions& fitness,
                                     const EvolveOptions& options, const RandomSource& random,
                                     std::span<const Obstacle> steer_towards) {
+  check_pair(pair);
+  check_field(field, "field options");
+  check_options(fitness, "fitness options");
+  check_evolve_options(options, "evolve options");
   const Habitat habitat(projection, pair, road, field);
   const Scene scene{habitat, options, steer_towards};
   const int width_px = pair.left.width_px, height_px = pair.left.height_px;

@@ -33,6 +33,7 @@ struct EvolveResult {
 /// Spreads flies over the field of detection and lets them evolve towards visible surfaces (METHOD section
 /// "Evolution"). With 0 generations the flies are only spread and scored.
 /// @param steer_towards obstacles of the previous pair, may be empty; see `EvolveOptions::steering_share`
+/// @throws InputError naming an option out of its range, or an image that is empty or of another size
 /// Runs on oneTBB's current arena; results do not depend on the number of threads.
 EvolveResult evolve(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road,
                     const FieldOptions& field, const FitnessOptions& fitness, const EvolveOptions& options,
@@ -57,7 +58,8 @@ class Evolver {
   RefineTrials trials_;
 };
 
-/// @throws InputError naming `source` when the shares of the children add up to more than 1
+/// @throws InputError naming `source` and an option out of its range, or when the shares of the children add up to more
+///         than 1
 void check_evolve_options(const EvolveOptions& options, const std::string& source);
 
 }  // namespace flies

@@ -177,6 +177,7 @@ TEST(Evolver, GivesTheFliesInTheVehicleFrameAndInTheImage) {
 TEST(Evolve, SteersChildrenTowardsTheObstaclesItIsGiven) {
   auto options = small_options();
   options.generations = 0;
+  options.immigration_share = 0.25;
   options.steering_share = 0.5;
   const std::vector<Obstacle> obstacles{
       {.x_m = 30, .y_m = 2, .range_m = 30, .width_m = 0.5, .height_m = 1.8, .box = {}}};
@@ -212,6 +213,30 @@ TEST(CheckEvolveOptions, RefusesSharesAboveOne) {
   options.crossover_share = 0.5;
   options.immigration_share = 0.6;
   EXPECT_THROW(check_evolve_options(options, "options"), InputError);
+}
+
+TEST(Evolve, KeepsFliesFiniteForCamerasOfAnyScale) {
+  const Wall wall;
+  for (const double focal_px : {1e-3, 1e9})
+    for (const double baseline_m : {1e-6, 1e6})
+      for (const double right_px : {160.0, -1e5})
+        for (const auto initial :
+             {InitialDistribution::ratios, InitialDistribution::image, InitialDistribution::space}) {
+          auto absurd = camera();
+          absurd.fx_px = absurd.fy_px = focal_px;
+          absurd.baseline_m = baseline_m;
+          absurd.cx_right_px = right_px;
+          absurd.mount.pitch_rad = -0.7;
+          auto options = small_options();
+          options.initial = initial;
+          options.generations = 3;
+          const auto flies = evolve(wall.pair(), Projection(absurd), {}, {}, {}, options, {}).flies;
+          for (std::size_t i = 0; i < flies.size(); ++i) {
+            const auto [point, fitness] = flies.fly(i);
+            ASSERT_TRUE(std::isfinite(point.x_m) && std::isfinite(point.y_m) && std::isfinite(point.z_m)) << focal_px;
+            ASSERT_TRUE(std::isfinite(fitness) && fitness >= 0.0F) << focal_px;
+          }
+        }
 }
 
 }  // namespace

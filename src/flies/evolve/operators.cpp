@@ -1,5 +1,7 @@
 #include "flies/evolve/operators.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -7,6 +9,7 @@
 #include <numeric>
 #include <span>
 
+#include "flies/core/error.hpp"
 #include "flies/evolve/kernels/scouts.hpp"
 #include "flies/evolve/kernels/spawn.hpp"
 
@@ -114,6 +117,12 @@ kernels::SpawnSearch spawn_search(const Habitat& habitat, const EvolveOptions& o
           .generation = 0};
 }
 
+void check_scouts(int scouts) {
+  if (scouts < 0 || scouts > kernels::kMaxScouts)
+    throw InputError("evolve options", "scouts",
+                     fmt::format("found {}, expected 0..{}", scouts, int{kernels::kMaxScouts}));
+}
+
 }  // namespace
 
 int row_contrast(const GrayView& left, const StereoPoint& point) {
@@ -156,6 +165,7 @@ void spawn(const Habitat& habitat, const EvolveOptions& options, const FlyRange&
 }
 
 StereoPoint scout(const Habitat& habitat, int scouts, const StereoPoint& fly, FlyDraws draws) {
+  check_scouts(scouts);
   constexpr int kReach_px = kernels::kRowColumns / 2;
   const auto& [left_image, right_image] = habitat.pair();
   const auto nearest = [](double coordinate_px) { return static_cast<int>(std::floor(coordinate_px + 0.5)); };
@@ -183,6 +193,7 @@ StereoPoint scout(const Habitat& habitat, int scouts, const StereoPoint& fly, Fl
 }
 
 void scout(const Habitat& habitat, int scouts, const FlyRange& range, std::size_t begin, ImagePopulation& flies) {
+  check_scouts(scouts);
   if (scouts == 0) return;
   const auto in_single = [](std::span<const Habitat::Linear> all) {
     kernels::LinearBounds bounds;
@@ -221,6 +232,7 @@ StereoPoint cross(const Habitat& habitat, const StereoPoint& mother, const Stere
   const double mother_weight = (1.0 - share) * (father.disparity_px - infinity_px);
   const double father_weight = share * (mother.disparity_px - infinity_px);
   const double image_share = father_weight / (mother_weight + father_weight);
+  if (!(image_share >= 0.0 && image_share <= 1.0)) return mother;  // a parent is nowhere
   return {std::lerp(mother.u_px, father.u_px, image_share), std::lerp(mother.v_px, father.v_px, image_share),
           std::lerp(mother.disparity_px, father.disparity_px, image_share)};
 }

@@ -39,6 +39,7 @@ void spawn(const Habitat& habitat, const EvolveOptions& options, const FlyRange&
 /// The disparities that the habitat holds there are divided into steps of equal ratio, and each has its place at the
 /// same random share of its step. A row costs a small part of what a fitness does.
 /// @returns the fly itself when its row leaves the left image or the habitat holds no disparity
+/// @throws InputError when `scouts` is not 0 to `kernels::kMaxScouts`
 StereoPoint scout(const Habitat& habitat, int scouts, const StereoPoint& fly, FlyDraws draws);
 
 /// `scout` for the flies [begin, begin + range.count), in single precision and vectors.

@@ -14,6 +14,8 @@
 namespace flies {
 namespace {
 
+constexpr std::string_view kOptionsSource = "fitness options";
+
 /// Flies a task: large enough to hide the scheduler, small enough to balance two dozen cores.
 constexpr std::size_t kFliesPerTask = 256;
 
@@ -176,6 +178,7 @@ float evaluate_one(const StereoPoint& point, const EvaluateMany& evaluate_many) 
 void score_points(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
                   std::span<const float> v_px, std::span<const float> disparity_px, std::span<float> fitness) {
   using kernels::PatchPlace;
+  check_options(options, kOptionsSource);
   const auto images = patch_images(pair, options);
   const auto& kernel = kernels::chosen_kernel();
   const Correlation correlation(images, options.noise_gray);
@@ -205,6 +208,7 @@ void score_points(const RectifiedPair& pair, const FitnessOptions& options, std:
 
 void correlate_points(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
                       std::span<const float> v_px, std::span<const float> disparity_px, std::span<float> coefficient) {
+  check_options(options, kOptionsSource);
   const auto images = patch_images(pair, options);
   const auto& kernel = kernels::chosen_kernel();
   const Correlation correlation(images, options.noise_gray);

@@ -10,6 +10,7 @@ namespace flies {
 namespace {
 
 using flies::testing::error_of;
+using flies::testing::nested_aliases;
 using flies::testing::TemporaryFolder;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -43,6 +44,12 @@ const std::string kRaw =
     "image_width: 640\nimage_height: 480\nM1: {rows: 3, cols: 3, data: [500, 0, 320, 0, 500, 240, 0, 0, 1]}\n"
     "M2: {rows: 3, cols: 3, data: [500, 0, 320, 0, 500, 240, 0, 0, 1]}\nD1: [0, 0, 0, 0, 0]\nD2: [0, 0, 0, 0, 0]\n"
     "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n";
+
+std::string repeated(const std::string& text, int count) {
+  std::string all;
+  for (int i = 0; i < count; ++i) all += text;
+  return all;
+}
 
 INSTANTIATE_TEST_SUITE_P(
     Table, BadCalibrations,
@@ -92,6 +99,18 @@ INSTANTIATE_TEST_SUITE_P(
         BadCalibration{"RawAbove", kRaw + "T: [0, -0.3, 0]\n", "one above the other"},
         BadCalibration{"RosOneCamera", "projection_matrix: [400, 0, 320, 0, 0, 400, 240, 0, 0, 0, 1, 0]\n",
                        "right camera: is missing"},
+        BadCalibration{"AliasesOfEmptyLists", "%YAML:1.0\n---\n" + nested_aliases("[]", false), "aliases are unfolded"},
+        BadCalibration{"AliasesOfEmptyMaps", nested_aliases("{}", true), "aliases are unfolded"},
+        BadCalibration{"AliasesOfWords", nested_aliases("word", false), "aliases are unfolded"},
+        BadCalibration{"DeeplyNestedYaml", "a: " + std::string(10000, '[') + std::string(10000, ']'), "the_calib"},
+        BadCalibration{"DamagedOpenCvTag",
+                       "%YAML:1.0\n---\nR1: !!opencv-m`trix\n   rows: 3\nP1: !!opencv-matrix\n   :::cols: 4\n"
+                       "Q: !!openc=v-matrix\n   data: [ 1.0, 0, 0,P0 -315.\xff\xfe<opencv_storage>_ 555.2 ]\n",
+                       "malformed YAML"},
+        BadCalibration{"DeeplyNestedXml", "<opencv_storage>" + repeated("<a>", 50000) + repeated("</a>", 50000),
+                       "the_calib"},
+        BadCalibration{"OpenCvXmlTwice", "<opencv_storage><P1>1</P1><P1>2</P1></opencv_storage>",
+                       "P1: stands in the file twice"},
         BadCalibration{"SelfContainingYaml", "a: &a\n  b: *a\n", "the_calib"},
         BadCalibration{"PrincipalPointFarOut", kOwn.substr(0, 11) + "cx_px: 60000\n" + kOwn.substr(22),
                        "cx_px (principal point)"}),

@@ -104,7 +104,10 @@ std::string json_line(const FrameRecord& record) {
     object["scan"] = object_of(record.scan);
     object["free_space"] = polygon_of(free_space(record.scan));
   }
-  object["stage_ms"] = stage_ms;
+  if (record.error.empty())
+    object["stage_ms"] = stage_ms;
+  else
+    object["error"] = record.error;
   constexpr int kOneLine = -1;
   return object.dump(kOneLine, ' ', false, Json::error_handler_t::replace) + "\n";
 }

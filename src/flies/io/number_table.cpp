@@ -1,25 +1,25 @@
 #include "flies/io/number_table.hpp"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <opencv2/core.hpp>
 #include <optional>
+#include <pugixml.hpp>
 #include <sstream>
 
 #include "flies/core/error.hpp"
 #include "flies/io/text_file.hpp"
+#include "flies/io/yaml_text.hpp"
 
 namespace flies {
 namespace {
 
 constexpr std::size_t kMaxBytes = 1U << 20;  // calibrations take a few kilobytes
-constexpr int kMaxDepth = 8;                 // of nested YAML; also ends anchors that contain themselves
-constexpr std::size_t kMaxNumbers = 10000;   // ends aliases that multiply
+constexpr int kMaxDepth = 8;                 // of nested YAML
+constexpr std::size_t kMaxNumbers = 10000;
 constexpr std::size_t kMaxKeys = 1000;
 constexpr int kMaxSize_px = 100000;
 
@@ -118,35 +118,33 @@ void flatten_yaml(const YAML::Node& node, const std::string& prefix, NumberTable
 void parse_yaml(std::string text, NumberTable& table) {
   // OpenCV starts its YAML with a directive that is not YAML ("%YAML:1.0").
   if (text.starts_with("%YAML")) text.erase(0, text.find('\n'));
-  try {
-    const YAML::Node root = YAML::Load(text);
-    if (root.IsMap()) flatten_yaml(root, "", table, 0);
-  } catch (const YAML::Exception& error) {
-    throw InputError(table.source, fmt::format("line {}", error.mark.line + 1),
-                     fmt::format("malformed YAML: {}", error.msg));
-  }
+  const YAML::Node root = detail::load_yaml(text, table.source);
+  if (root.IsMap()) flatten_yaml(root, "", table, 0);
 }
 
-void append_xml_numbers(const cv::FileNode& node, NumberEntry& entry) {
-  if (node.isInt() || node.isReal()) {
-    entry.numbers.push_back(node.real());
-  } else if (node.isString()) {
-    append_words(entry, node.string());
-  } else if (node.isSeq()) {
-    for (const auto& item : node) append_xml_numbers(item, entry);
-  }
+bool is_opencv_xml(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && text[first] == '<' && text.find("<opencv_storage") != std::string::npos;
 }
 
+/// A matrix has its numbers in its child `data`, a list in children `_`, a number or a size in its own text.
+void append_xml_numbers(const pugi::xml_node& node, NumberEntry& entry) {
+  append_words(entry, node.child("data") ? node.child_value("data") : node.child_value());
+  for (const pugi::xml_node item : node.children("_")) append_words(entry, item.child_value());
+}
+
+/// OpenCV's own reader answers some damaged files with exceptions of the standard library, others with a full stack.
 void parse_xml(const std::string& text, NumberTable& table) {
-  try {
-    const cv::FileStorage file(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
-    for (const auto& item : file.root()) {
-      NumberEntry& entry = table.entries[item.name()];
-      append_xml_numbers(item.isMap() ? item["data"] : item, entry);
-      check_entry_size(entry, item.name(), table.source);
-    }
-  } catch (const cv::Exception& error) {
-    throw InputError(table.source, "", fmt::format("malformed OpenCV XML: {}", error.err));
+  pugi::xml_document document;
+  const auto parsed = document.load_buffer(text.data(), text.size());
+  if (!parsed)
+    throw InputError(table.source, fmt::format("byte {}", parsed.offset),
+                     fmt::format("malformed OpenCV XML: {}", parsed.description()));
+  for (const pugi::xml_node item : document.child("opencv_storage").children()) {
+    if (item.type() != pugi::node_element) continue;
+    if (table.has(item.name())) throw InputError(table.source, item.name(), "stands in the file twice");
+    append_xml_numbers(item, table.entries[item.name()]);
+    check_entry_size(table.entries[item.name()], item.name(), table.source);
   }
 }
 
@@ -185,7 +183,7 @@ int NumberTable::require_size(std::string_view key) const {
 NumberTable parse_number_table(const std::string& text, const std::string& source) {
   NumberTable table{source, {}};
   if (text.find('\0') != std::string::npos) return table;  // binary: no format will know it
-  if (text.find("<opencv_storage") != std::string::npos) {
+  if (is_opencv_xml(text)) {
     parse_xml(text, table);
   } else if (has_middlebury_line(text)) {
     parse_lines(text, '=', table);

@@ -1,20 +1,20 @@
 #include "flies/io/options_yaml.hpp"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <string_view>
 
 #include "flies/core/error.hpp"
 #include "flies/io/text_file.hpp"
+#include "flies/io/yaml_text.hpp"
 
 namespace flies {
 namespace {
 
 constexpr std::size_t kMaxBytes = 1U << 20;
-constexpr int kMaxDepth = 16;               // ends anchors that contain themselves
-constexpr std::size_t kMaxSettings = 1000;  // ends aliases that multiply
+constexpr int kMaxDepth = 16;
+constexpr std::size_t kMaxSettings = 1000;
 
 std::string line_source(const std::string& source, const YAML::Mark& mark) {
   return mark.is_null() ? source : fmt::format("{} line {}", source, mark.line + 1);
@@ -55,14 +55,10 @@ std::vector<std::string_view> split_path(std::string_view path) {
 
 std::vector<OptionSetting> parse_options_yaml(const std::string& text, const std::string& source) {
   std::vector<OptionSetting> settings;
-  try {
-    const YAML::Node root = YAML::Load(text);
-    if (!root.IsNull() && !root.IsMap())
-      throw InputError(line_source(source, root.Mark()), "", "expected options as 'name: value' lines");
-    collect(root, "", source, 0, settings);
-  } catch (const YAML::Exception& error) {
-    throw InputError(line_source(source, error.mark), "", fmt::format("malformed YAML: {}", error.msg));
-  }
+  const YAML::Node root = detail::load_yaml(text, source);
+  if (!root.IsNull() && !root.IsMap())
+    throw InputError(line_source(source, root.Mark()), "", "expected options as 'name: value' lines");
+  collect(root, "", source, 0, settings);
   return settings;
 }
 

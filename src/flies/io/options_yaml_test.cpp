@@ -95,6 +95,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadOptions{"NoValue", "evolve:\n", "line 1: evolve: has no value"},
         BadOptions{"NotAMap", "- seed\n", "expected options"}, BadOptions{"Prose", "just words\n", "expected options"},
         BadOptions{"ListAsKey", "[1, 2]: 3\n", "not a word"},
+        BadOptions{"AliasesOfEmptyMaps", flies::testing::nested_aliases("{}", true), "aliases are unfolded"},
+        BadOptions{"AliasesOfWords", flies::testing::nested_aliases("5", true), "aliases are unfolded"},
         BadOptions{"SelfContaining", "a: &a\n  b: *a\n", "bad.yaml"}, BadOptions{"Empty", "", "is empty"}),
     [](const auto& test) { return test.param.name; });
 

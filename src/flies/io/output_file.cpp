@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/stale_parts.hpp"
 #include "flies/io/unfinished_outputs.hpp"
 
 namespace flies {
@@ -27,7 +28,7 @@ std::string part_name(const std::string& target) {
 
 }  // namespace
 
-OutputFile::OutputFile(const std::string& path) : path_(path) {
+OutputFile::OutputFile(const std::string& path, Kind kind) : path_(path), kind_(kind) {
   if (path.empty()) throw InputError("output", "file name", "is empty");
   if (path == "-") {
     file_ = stdout;
@@ -46,8 +47,12 @@ OutputFile::OutputFile(const std::string& path) : path_(path) {
   target_path_ = error ? path : resolved.string();
   // A file that may not be written must not be replaced either, although the folder would allow it.
   if (fs::exists(target_path_, error) && ::access(target_path_.c_str(), W_OK) != 0) fail(errno);
+  remove_stale_parts(target_path_);
   part_path_ = part_name(target_path_);
-  note_unfinished_output(part_path_);
+  if (kind_ == Kind::lines)
+    note_unfinished_lines(part_path_, target_path_);
+  else
+    note_unfinished_output(part_path_);
   const int descriptor = ::open(part_path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   const int open_error = errno;
   if (descriptor >= 0) file_ = ::fdopen(descriptor, "wb");
@@ -64,12 +69,13 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
     : path_(std::move(other.path_)),
       target_path_(std::move(other.target_path_)),
       part_path_(std::exchange(other.part_path_, {})),
+      kind_(other.kind_),
       file_(std::exchange(other.file_, nullptr)) {}
 
 void OutputFile::write(std::string_view text) {
   assert(file_ != nullptr);
   if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(errno);
-  if (file_ == stdout && std::fflush(file_) != 0) fail(errno);
+  if ((file_ == stdout || kind_ == Kind::lines) && std::fflush(file_) != 0) fail(errno);
 }
 
 void OutputFile::commit() {

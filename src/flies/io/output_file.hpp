@@ -15,8 +15,15 @@ namespace flies {
 /// (/dev/null, a pipe) are written directly.
 class OutputFile {
  public:
+  enum class Kind {
+    whole,  ///< worth nothing before it is complete
+    lines,  ///< each `write` is some whole lines; those written appear under the file's name even when the process is
+            ///< made to end before the others are
+  };
+
+  /// What an earlier process left half written beside the file, because it was killed, is removed.
   /// @throws InputError naming the file when it cannot be created
-  explicit OutputFile(const std::string& path);
+  explicit OutputFile(const std::string& path, Kind kind = Kind::whole);
   ~OutputFile();
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&& other) = delete;
@@ -39,6 +46,7 @@ class OutputFile {
   std::string path_;         ///< as the user wrote it
   std::string target_path_;  ///< with links resolved
   std::string part_path_;    ///< empty when written directly
+  Kind kind_ = Kind::whole;
   std::FILE* file_ = nullptr;
 };
 

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "flies/io/temporary_folder.hpp"
 #include "flies/io/unfinished_outputs.hpp"
@@ -53,6 +55,37 @@ TEST(OutputFile, IsRemovedWithAllThatIsUnfinished) {
   EXPECT_EXIT(write_and_end(), ::testing::ExitedWithCode(0), "");
   EXPECT_TRUE(fs::exists(folder.file("complete.txt")));
   EXPECT_EQ(folder.count(), 1U);
+}
+
+TEST(OutputFile, KeepsWholeLinesOfWhatIsMadeToEnd) {
+  const TemporaryFolder folder;
+  const auto write_and_end = [&] {
+    OutputFile lines(folder.file("out.jsonl"), OutputFile::Kind::lines),
+        none(folder.file("none"), OutputFile::Kind::lines);
+    lines.write("one\n");
+    lines.write("two\n" + std::string(10'000, 'x'));
+    none.write("no line");
+    remove_unfinished_outputs();
+    ::_exit(0);
+  };
+  EXPECT_EXIT(write_and_end(), ::testing::ExitedWithCode(0), "");
+  EXPECT_EQ(read_all(folder.file("out.jsonl")), "one\ntwo\n");
+  EXPECT_EQ(folder.count(), 1U);
+}
+
+TEST(OutputFile, RemovesWhatAKilledProcessLeft) {
+  const TemporaryFolder folder;
+  const pid_t killed = ::fork();
+  if (killed == 0) ::_exit(0);
+  ASSERT_EQ(::waitpid(killed, nullptr, 0), killed);
+  const std::string gone = std::to_string(killed), alive = std::to_string(::getppid());
+  for (const auto& left : {"out.txt.part-" + gone + "-0", "out.txt.part-" + gone}) folder.write(left, "half");
+  const std::vector<std::string> kept = {"out.txt.part-" + alive + "-0", "other.txt.part-" + gone + "-0",
+                                         "out.txt.part-x", "out.txt.part-" + gone + "-0.bak"};
+  for (const auto& name : kept) folder.write(name, "not ours");
+  write_file(folder.file("out.txt"), "new");
+  EXPECT_EQ(folder.count(), kept.size() + 1);
+  for (const auto& name : kept) EXPECT_TRUE(fs::exists(folder.file(name))) << name;
 }
 
 TEST(OutputFile, KeepsTheOldFileWithoutCommit) {

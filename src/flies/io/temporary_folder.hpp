@@ -58,6 +58,26 @@ inline std::string error_of(const std::function<void()>& call) {
   return "no error";
 }
 
+/// YAML that names `leaf` and lists of it, each list `width` times the one before: little text that unfolds without
+/// end.
+inline std::string nested_aliases(const std::string& leaf, bool as_maps, int levels = 9, int width = 30) {
+  const auto list_of = [&](const std::string& item) {
+    std::string list(1, as_maps ? '{' : '[');
+    for (int i = 0; i < width; ++i) {
+      if (i > 0) list += ", ";
+      if (as_maps) list += "k" + std::to_string(i) + ": ";
+      list += item;
+    }
+    return list + (as_maps ? '}' : ']');
+  };
+  std::string text = "a0: &a0 " + list_of(leaf) + "\n";
+  for (int level = 1; level < levels; ++level) {
+    const std::string name = "a" + std::to_string(level), before = "*a" + std::to_string(level - 1);
+    text += name + ": &" + name + " " + list_of(before) + "\n";
+  }
+  return text;
+}
+
 /// The folder of real data, if there is one.
 inline std::optional<std::filesystem::path> test_data() {
   const char* given = std::getenv("FLIES_TEST_DATA");

@@ -20,6 +20,7 @@ struct FrameRecord {
   std::vector<Pedestrian> pedestrians;
   Scan scan;  ///< empty: not written
   StageTimes_ms stage_ms{};
+  std::string error = {};  ///< why the pair could not be used, when it could not: nothing was looked for in it then
 };
 
 /// One JSON object and a line feed: a line of JSON Lines. Numbers are rounded to millimetres, hundredths of a pixel,

@@ -37,6 +37,7 @@ Detector::Detector(const StereoCamera& camera, const DetectorOptions& options,
 }
 
 Detection Detector::process(const RectifiedPair& pair) {
+  [[maybe_unused]] const detail::OneAtATime::Use use(one_at_a_time_);
   check_pair(pair);
   check_camera_fits(camera_, pair.left.width_px, pair.left.height_px, "camera");
   auto detection = workers_->arena.execute([&] { return detect(pair); });
@@ -67,6 +68,10 @@ Detection Detector::detect(const RectifiedPair& pair) {
     return propose_rois(d.concentrate.obstacles, projection_, road, width_px, height_px, options_.propose);
   });
   d.pedestrians = timed(d.stage_ms, Stage::classify, [&] {
+    if (!classifier_) {
+      d.roi_scores.assign(d.rois.size(), 0.0);
+      return std::vector<Pedestrian>();
+    }
     ClassifyResult people = find_people(pair.left, d.rois, *classifier_, options_.classify);
     d.roi_scores = std::move(people.screened);
     return std::move(people.pedestrians);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <cassert>
 #include <cstdint>
 #include <memory>
 #include <string_view>
@@ -84,12 +86,43 @@ struct Detection {
   std::vector<double> roi_scores;  ///< the classifier's first look: one probability per ROI
 };
 
+namespace detail {
+
+/// Tells a use from two threads at once from one after the other. A copy is its own.
+class OneAtATime {
+ public:
+  OneAtATime() = default;
+  OneAtATime(const OneAtATime&) {}
+  OneAtATime& operator=(const OneAtATime&) { return *this; }
+
+  class Use {
+   public:
+    explicit Use(OneAtATime& owner) : owner_(owner) {
+      [[maybe_unused]] const bool was_in_use = owner_.is_in_use_.exchange(true);
+      assert(!was_in_use && "one Detector must not be used from two threads at once");
+    }
+    ~Use() { owner_.is_in_use_ = false; }
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+
+   private:
+    OneAtATime& owner_;
+  };
+
+ private:
+  std::atomic<bool> is_in_use_{false};
+};
+
+}  // namespace detail
+
 /// Finds obstacles and pedestrians in rectified pairs of one camera. What it remembers from pair to pair: their count,
 /// so that each gets random numbers of its own, and the obstacles of the last one, which steer some flies of the next
 /// (`evolve.steering_share`). Copies share their worker threads. The n-th call is a function of the pairs so far,
 /// camera, options and classifier.
+/// Threads: one detector serves one thread at a time; several detectors, copies too, may run side by side.
 class Detector {
  public:
+  /// @param classifier of people; null: nobody is looked for, boxes score 0 and `pedestrians` stays empty
   /// @throws InputError when the camera or an option is out of range
   explicit Detector(const StereoCamera& camera, const DetectorOptions& options = {},
                     std::shared_ptr<const PeopleClassifier> classifier = default_people_classifier());
@@ -116,6 +149,7 @@ class Detector {
   Concentrator concentrator_;
   std::vector<Obstacle> last_obstacles_;
   std::uint32_t frame_ = 0;
+  detail::OneAtATime one_at_a_time_;
 };
 
 }  // namespace flies

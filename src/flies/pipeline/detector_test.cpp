@@ -5,6 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "flies/core/error.hpp"
@@ -123,6 +128,60 @@ TEST(Detector, RefusesWhatItCannotUse) {
   auto other_size = camera();
   other_size.width_px = 640;
   EXPECT_THAT([&] { Detector(other_size).process(board.pair()); }, ThrowsMessage<InputError>(HasSubstr("640 x 200")));
+}
+
+TEST(Detector, LooksForNobodyWithoutAClassifier) {
+  const Board board;
+  const auto found = Detector(camera(), {}, nullptr).process(board.pair());
+  EXPECT_FALSE(found.obstacles.empty());
+  EXPECT_TRUE(found.pedestrians.empty());
+  ASSERT_FALSE(found.rois.empty());
+  EXPECT_EQ(found.roi_scores, std::vector<double>(found.rois.size(), 0.0));
+}
+
+TEST(Detector, WorksBesideOthersAndPairAfterPair) {
+  const Board board;
+  const auto process_two = [&] {
+    Detector detector(camera());
+    detector.process(board.pair());
+    return detector.process(board.pair());
+  };
+  const Detection alone = process_two();
+  std::vector<Detection> side_by_side(4);
+  {
+    std::vector<std::jthread> threads;
+    for (auto& found : side_by_side) threads.emplace_back([&] { found = process_two(); });
+  }
+  EXPECT_NE(alone.evolved.flies.x_m, Detector(camera()).process(board.pair()).evolved.flies.x_m);
+  for (const auto& found : side_by_side) {
+    EXPECT_EQ(found.evolved.flies.x_m, alone.evolved.flies.x_m);
+    EXPECT_EQ(found.roi_scores, alone.roi_scores);
+  }
+}
+
+/// Answers what it is told to.
+class Answering final : public PeopleClassifier {
+ public:
+  explicit Answering(std::vector<double> answer) : answer_(std::move(answer)) {}
+  const std::string& name() const override { return name_; }
+  double threshold() const override { return 0.5; }
+  std::vector<double> classify(const GrayView&, std::span<const ImageBox>) const override { return answer_; }
+
+ private:
+  std::string name_ = "answering";
+  std::vector<double> answer_;
+};
+
+TEST(Detector, RefusesAClassifierThatDoesNotAnswerForEveryWindow) {
+  const Board board;
+  const auto process_with = [&](std::vector<double> answer) {
+    Detector(camera(), {}, std::make_shared<Answering>(std::move(answer))).process(board.pair());
+  };
+  const std::size_t windows = Detector(camera()).process(board.pair()).rois.size();
+  EXPECT_NO_THROW(process_with(std::vector<double>(windows, 0.1)));
+  EXPECT_THAT([&] { process_with({0.9}); }, ThrowsMessage<InputError>(HasSubstr("answering: probabilities: found 1")));
+  EXPECT_THAT([&] { process_with(std::vector<double>(windows, std::nan(""))); },
+              ThrowsMessage<InputError>(HasSubstr("answering: probability: found nan")));
 }
 
 TEST(PresetOptions, KeepTheDeclaredRanges) {

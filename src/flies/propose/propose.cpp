@@ -155,6 +155,7 @@ std::size_t max_rois_per_obstacle(const ProposeOptions& options) {
 }
 
 void check_propose_options(const ProposeOptions& options, const std::string& source) {
+  check_options(options, source);
   if (options.min_height_m > options.max_height_m)
     throw InputError(source, "propose.min_height_m",
                      fmt::format("found {}, expected at most propose.max_height_m, which is {}", options.min_height_m,
@@ -163,7 +164,7 @@ void check_propose_options(const ProposeOptions& options, const std::string& sou
 
 std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Projection& projection, const RoadPlane& road,
                               int image_width_px, int image_height_px, const ProposeOptions& options) {
-  check_propose_options(options, "options");
+  check_propose_options(options, "propose options");
   const auto heights_m = person_heights(options);
   const auto downward = alternating(options.vertical_shifts);
   std::vector<Roi> rois;

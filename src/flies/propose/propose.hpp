@@ -71,11 +71,11 @@ struct ProposeOptions {
 /// @param image_width_px  size of the left image; a person wholly outside it gives no box
 /// @param image_height_px
 /// @returns in the order of the obstacles, then of the heights; at most `max_rois_per_obstacle(options)` for each
-/// @throws InputError when `min_height_m` exceeds `max_height_m`
+/// @throws InputError when an option is out of its range or `min_height_m` exceeds `max_height_m`
 std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Projection& projection, const RoadPlane& road,
                               int image_width_px, int image_height_px, const ProposeOptions& options);
 
-/// @throws InputError naming `source` when `min_height_m` exceeds `max_height_m`
+/// @throws InputError naming `source` when an option is out of its range, or `min_height_m` exceeds `max_height_m`
 void check_propose_options(const ProposeOptions& options, const std::string& source);
 
 /// The most boxes `propose_rois` makes for one obstacle.

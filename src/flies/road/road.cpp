@@ -9,6 +9,7 @@
 #include <cmath>
 #include <span>
 
+#include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/parabola.hpp"
 #include "flies/road/kernels/correlate_shifts.hpp"
@@ -25,6 +26,9 @@ constexpr int kMinInliers = 15;
 /// Distance in disparity that counts as lying on the plane.
 constexpr double kInlierDisparity_px = 0.75;
 
+/// Disparities of a probe that are looked through at most: more than any image is wide.
+constexpr double kMaxSpan_px = 100'000;
+
 /// A second match this many pixels off and this close in correlation makes a probe ambiguous.
 constexpr int kAmbiguousDistance_px = 3;
 constexpr double kAmbiguousMargin = 0.05;
@@ -34,6 +38,9 @@ constexpr double kAmbiguousMargin = 0.05;
 constexpr double kDisparityNoise_px = 0.5;
 constexpr double kPriorHeight_m = 0.03;
 constexpr double kPriorBank = 0.01;
+
+/// The slopes that are tried up, and as many down: many more than any camera tells apart.
+constexpr int kMaxSlopeSteps = 1000;
 
 constexpr std::size_t kProbesPerTask = 32;
 
@@ -109,8 +116,9 @@ RoadProbe match_probe(const RectifiedPair& pair, const Projection& projection, c
                            : projection.disparity_offset_px();
   };
   const double lowest_px = disparity_on_slope(-options.max_slope);
-  const double highest_px = disparity_on_slope(options.max_slope);
-  if (!(highest_px - lowest_px >= 2.0)) return {};
+  // Farther to the left than the image begins no match lies.
+  const double highest_px = std::min(disparity_on_slope(options.max_slope), image.u_px);
+  if (!(highest_px - lowest_px >= 2.0 && highest_px - lowest_px <= kMaxSpan_px)) return {};
   correlation.resize(static_cast<std::size_t>(highest_px - lowest_px) + 1);
   correlate_disparities(pair, image, lowest_px, correlation);
 
@@ -194,9 +202,10 @@ int support(const std::vector<Match>& matches, const RoadPlane& plane) {
 
 /// The best supported slope, in steps of half a pixel of disparity.
 RoadPlane search_slopes(const Projection& projection, const std::vector<RoadProbe>& probes, double max_slope) {
-  const double step =
+  const double finest =
       0.5 * projection.height_m() / (projection.disparity_at_depth(1.0) - projection.disparity_offset_px());
-  const int steps = static_cast<int>(max_slope / step);
+  const double step = std::max(finest, max_slope / kMaxSlopeSteps);
+  const int steps = std::min(kMaxSlopeSteps, saturated<int>(max_slope / step));
   std::vector<Match> matches;
   for (const auto& [point, correlation, inlier] : probes)
     if (correlation > 0.0)
@@ -216,12 +225,15 @@ RoadPlane search_slopes(const Projection& projection, const std::vector<RoadProb
 }  // namespace
 
 void check_road_options(const RoadOptions& options, const std::string& source) {
+  check_options(options, source);
   if (!(options.x_min_m < options.x_max_m))
     throw InputError(source, "road.x_min_m",
                      fmt::format("the interval {}..{} m is empty", options.x_min_m, options.x_max_m));
 }
 
 RoadResult estimate_road(const RectifiedPair& pair, const Projection& projection, const RoadOptions& options) {
+  check_pair(pair);
+  check_road_options(options, "road options");
   RoadResult result;
   if (!options.estimate) return result;
   const auto places = place_probes(pair, projection, options);

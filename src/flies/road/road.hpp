@@ -48,7 +48,7 @@ struct RoadResult {
   bool found = false;  ///< false: too few probes agreed, or not asked for; `plane` is the nominal ground
 };
 
-/// @throws InputError naming `source` when the probed stretch is empty
+/// @throws InputError naming `source` and an option out of its range, or the probed stretch when it is empty
 void check_road_options(const RoadOptions& options, const std::string& source);
 
 /// Estimates the road plane from the pair. Each probe, a point of the left image that would show the nominal road, is

@@ -126,5 +126,22 @@ TEST(EstimateRoad, TakesAnImageOfOnePixel) {
   EXPECT_FALSE(estimate_road({{&pixel, 1, 1, 1}, {&pixel, 1, 1, 1}}, Projection(camera()), {}).found);
 }
 
+TEST(EstimateRoad, BearsCamerasOfAnyScale) {
+  const auto scene = render({});
+  RoadOptions options;
+  options.max_slope = 0.3;
+  for (const double focal_px : {1e-3, 1e9})
+    for (const double baseline_m : {1e-6, 1e6})
+      for (const double height_m : {1e-6, 1e6}) {
+        auto absurd = camera();
+        absurd.fx_px = absurd.fy_px = focal_px;
+        absurd.baseline_m = baseline_m;
+        absurd.mount.height_m = height_m;
+        const auto result = estimate_road(scene.pair(), Projection(absurd), options);
+        EXPECT_LE(std::abs(result.plane.slope), options.max_slope);
+        EXPECT_LE(std::abs(result.plane.height_m), options.max_height_m);
+      }
+}
+
 }  // namespace
 }  // namespace flies

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstddef>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
 #include "flies/io/output_file.hpp"
@@ -18,14 +21,38 @@ using Json = nlohmann::json;
 
 constexpr const char* kStateFile = "state.json";
 
+/// What a state holds cannot be.
+class Damaged : public std::exception {};
+
 Json json_of(const TrainingWindow& w) {
   return {w.picture, w.is_mirrored, w.window.u_px, w.window.v_px, w.window.width_px, w.window.height_px};
 }
 
+/// What can be in a state: pictures have up to 32768 pixels a side, trainings some rounds.
+constexpr double kMaxPixel = 1e6;
+constexpr double kMaxRounds = 10000;
+
+template <class Int>
+Int whole(const Json& json, double highest = 1e15) {
+  const auto value = whole_number<Int>(json.get<double>());
+  if (!value || *value < 0 || static_cast<double>(*value) > highest) throw Damaged();
+  return *value;
+}
+
 TrainingWindow window_of(const Json& json) {
-  return {json.at(0).get<std::uint32_t>(),
-          json.at(1).get<bool>(),
-          {json.at(2).get<double>(), json.at(3).get<double>(), json.at(4).get<double>(), json.at(5).get<double>()}};
+  const TrainingWindow window{
+      whole<std::uint32_t>(json.at(0)),
+      json.at(1).get<bool>(),
+      {json.at(2).get<double>(), json.at(3).get<double>(), json.at(4).get<double>(), json.at(5).get<double>()}};
+  const ImageBox& box = window.window;
+  for (const double value : {box.u_px, box.v_px, box.width_px, box.height_px})
+    if (!(std::abs(value) <= kMaxPixel)) throw Damaged();
+  if (!(box.width_px > 0.0 && box.height_px > 0.0)) throw Damaged();
+  return window;
+}
+
+InputError damaged(const fs::path& file) {
+  return {file.string(), "", "is damaged, expected the state of a training; remove it to start again"};
 }
 
 /// FNV-1a with 64 bits over texts and numbers.
@@ -79,15 +106,22 @@ Checkpoint::Checkpoint(const fs::path& folder, const std::string& fingerprint)
       throw InputError(
           folder_.string(), "",
           "holds the state of a training with other pictures or options; remove it or name another folder");
-    state.rounds_done = json.at("rounds_done").get<int>();
+    state.rounds_done = whole<int>(json.at("rounds_done"), kMaxRounds);
     for (const auto& round : json.at("rounds"))
       state.rounds.push_back(
-          {round.at(0).get<std::string>(), round.at(1).get<std::size_t>(), round.at(2).get<std::size_t>()});
+          {round.at(0).get<std::string>(), whole<std::size_t>(round.at(1)), whole<std::size_t>(round.at(2))});
     for (const auto& window : json.at("background")) state.background.push_back(window_of(window));
   } catch (const Json::exception&) {
-    throw InputError(file.string(), "", "is damaged, expected the state of a training; remove it to start again");
+    throw damaged(file);
+  } catch (const Damaged&) {
+    throw damaged(file);
   }
   state_ = std::move(state);
+}
+
+void Checkpoint::check_pictures(std::size_t background) const {
+  for (const auto& window : state_.background)
+    if (window.picture >= background) throw damaged(folder_ / kStateFile);
 }
 
 void Checkpoint::save(TrainingState state) {

@@ -37,6 +37,9 @@ class Checkpoint {
 
   const TrainingState& state() const { return state_; }
 
+  /// @throws InputError when the state names a picture that the training, of so many of background, does not have
+  void check_pictures(std::size_t background) const;
+
   /// @throws InputError when the folder cannot be made or the state cannot be written
   void save(TrainingState state);
 

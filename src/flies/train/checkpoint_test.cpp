@@ -43,6 +43,25 @@ TEST(Checkpoint, RefusesADamagedState) {
   }
 }
 
+TEST(Checkpoint, RefusesAStateThatCannotBe) {
+  const testing::TemporaryFolder folder;
+  std::filesystem::create_directories(folder.file("work"));
+  const auto error_with = [&](const std::string& window, const std::string& rounds_done = "1") {
+    folder.write("work/state.json", R"({"fingerprint": "abc", "rounds": [], "background": [)" + window +
+                                        R"(], "rounds_done": )" + rounds_done + "}");
+    return testing::error_of([&] { Checkpoint(folder.file("work"), "abc").check_pictures(6); });
+  };
+  EXPECT_EQ(error_with("[5, false, 1.0, 1.0, 20.0, 40.0]"), "no error");
+  for (const char* window :
+       {"[6, false, 1.0, 1.0, 20.0, 40.0]", "[4000000, false, 1.0, 1.0, 20.0, 40.0]",
+        "[-1, false, 1.0, 1.0, 20.0, 40.0]", "[1e30, false, 1.0, 1.0, 20.0, 40.0]",
+        "[0.5, false, 1.0, 1.0, 20.0, 40.0]", "[0, false, 1.0, 1.0, 0.0, 0.0]", "[0, false, 1.0, 1.0, 20.0, -40.0]",
+        "[0, false, 1e300, 1.0, 20.0, 40.0]", "[0, false, 1e999, 1.0, 20.0, 40.0]", "[0]", "7"})
+    EXPECT_THAT(error_with(window), HasSubstr("state.json: is damaged")) << window;
+  for (const char* rounds : {"-1", "1e30", "99999999"})
+    EXPECT_THAT(error_with("", rounds), HasSubstr("state.json: is damaged")) << rounds;
+}
+
 TEST(FingerprintOf, ChangesWithPicturesAndOptionsButNotWithThreads) {
   const std::vector<TrainingPicture> people(1), background(2);
   TrainOptions options;

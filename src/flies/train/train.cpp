@@ -229,6 +229,7 @@ TrainingResult Training::run() {
 TrainingResult train_people(const TrainingData& data, const TrainOptions& options, Checkpoint& checkpoint,
                             const TrainingProgress& progress) {
   check_options(options, "options");
+  checkpoint.check_pictures(data.background.size());
   std::optional<tbb::global_control> threads;
   if (options.threads > 0)
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));

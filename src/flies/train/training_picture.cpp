@@ -156,6 +156,18 @@ GrayImage load_picture(const TrainingPicture& picture) {
                          picture.is_crop ? kMinCropHeight_px : kMinImageHeight_px);
 }
 
+void check_labels(const TrainingPicture& picture, int width_px, int height_px) {
+  for (const auto& box : picture.people) {
+    const double u_px = box.u_px + box.width_px / 2.0, v_px = box.v_px + box.height_px / 2.0;
+    const bool is_inside = u_px >= 0.0 && u_px <= width_px && v_px >= 0.0 && v_px <= height_px;
+    if (!is_inside || !(box.height_px <= 2.0 * height_px))
+      throw InputError(
+          picture.path, "labels",
+          fmt::format("found a person at {} {} {} {}, expected one inside the picture of {} x {} px", box.u_px,
+                      box.v_px, box.u_px + box.width_px, box.v_px + box.height_px, width_px, height_px));
+  }
+}
+
 ImageBox window_around(const ImageBox& person, double person_share) {
   const double height_px = person.height_px / person_share;
   const double width_px = height_px / 2.0;

@@ -45,6 +45,11 @@ std::vector<TrainingPicture> find_proposals(std::span<const std::string> folders
 /// The pixels. @throws InputError as `load_gray_image`
 GrayImage load_picture(const TrainingPicture& picture);
 
+/// Checks that the people stand in their picture, once its size is known: the middle of each inside, and none more than
+/// twice as high.
+/// @throws InputError naming the picture and the box
+void check_labels(const TrainingPicture& picture, int width_px, int height_px);
+
 /// The window around a person: aspect 1:2, the person in its middle with this share of its height.
 ImageBox window_around(const ImageBox& person, double person_share);
 

@@ -53,6 +53,18 @@ TEST_F(FindPeople, ReadsLabelsBesideTheirPictures) {
   EXPECT_EQ(people[1].path, path("voc/b.png"));
 }
 
+TEST(CheckLabels, RefusesPeopleOutsideTheirPicture) {
+  TrainingPicture picture;
+  picture.path = "a.png";
+  const auto fault = [&](const ImageBox& box) {
+    picture.people = {{50, 20, 40, 100}, box};
+    return testing::error_of([&] { check_labels(picture, 200, 160); });
+  };
+  EXPECT_EQ(fault({-5, -5, 40, 100}), "no error");
+  for (const ImageBox& box : {ImageBox{5000, 20, 40, 100}, ImageBox{20, -300, 40, 100}, ImageBox{20, -900, 40, 2000}})
+    EXPECT_THAT(fault(box), HasSubstr("a.png: labels: found a person at")) << box.u_px;
+}
+
 TEST_F(FindPeople, SaysWhatIsMissing) {
   std::filesystem::create_directories(path("empty"));
   EXPECT_THAT(fault_of({path("empty")}), HasSubstr("empty: found no pictures"));

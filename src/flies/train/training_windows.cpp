@@ -138,7 +138,9 @@ Matrix features_of(std::span<const TrainingPicture> pictures, std::span<const Tr
   tbb::parallel_for(std::size_t{0}, starts.size() - 1, [&](std::size_t p) {
     std::vector<TrainingWindow> of_picture;
     for (std::size_t i = starts[p]; i < starts[p + 1]; ++i) of_picture.push_back(windows[order[i]]);
-    const GrayImage image = load_picture(pictures[of_picture.front().picture]);
+    const TrainingPicture& picture = pictures[of_picture.front().picture];
+    const GrayImage image = load_picture(picture);
+    check_labels(picture, image.width_px, image.height_px);
     const Matrix rows = features_in(image, of_picture, geometry);
     for (std::size_t i = 0; i < rows.rows; ++i)
       std::ranges::copy(rows.row(i),
