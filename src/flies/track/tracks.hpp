@@ -14,7 +14,7 @@
 namespace flies {
 
 struct TrackOptions {
-  double disparity_sd_px = 0.35;
+  double disparity_sd_px = 0.7;
   double along_sd_m = 0.15;
   double across_sd_m = 0.1;
   double across_sd_share = 0.12;
