@@ -5,6 +5,7 @@
 /// The subcommands of `flies`, a file each. Every `setup_x` adds its subcommand, with a callback that runs it.
 /// Faults of the user leave the callback as `flies::InputError`; nothing else is expected to.
 void setup_detect(CLI::App& app);
+void setup_track(CLI::App& app);
 void setup_calib(CLI::App& app);
 void setup_synth(CLI::App& app);
 void setup_evaluate(CLI::App& app);

@@ -74,6 +74,7 @@ void setup(CLI::App& app) {
   app.set_version_flag("--version", "flies " FLIES_VERSION);
   app.require_subcommand(0, 1);
   setup_detect(app);
+  setup_track(app);
   setup_calib(app);
   setup_synth(app);
   setup_evaluate(app);

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+/// A file that grows line by line under its own name, for readers that follow it: every line is handed over whole, so
+/// that whatever ends the program leaves whole lines. "-" is standard output.
+class LineFile {
+ public:
+  /// @throws flies::InputError naming the file when it cannot be created
+  explicit LineFile(const std::string& path);
+  ~LineFile();
+  LineFile(const LineFile&) = delete;
+  LineFile& operator=(const LineFile&) = delete;
+
+  /// @param line with its line feed
+  /// @throws flies::InputError naming the file when the disk is full or the like
+  void write(const std::string& line);
+
+ private:
+  std::string path_;
+  int descriptor_ = -1;
+};

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "flies/io/pair_source.hpp"
+
+/// Pairs of a sequence with their times.
+struct SequenceSource {
+  std::vector<flies::PairPaths> pairs;
+  std::vector<double> times_s;     ///< one a pair
+  std::string calib;               ///< the one beside a KITTI raw drive, unless another was given
+  std::vector<std::string> notes;  ///< sentences on what was assumed
+};
+
+struct SequenceRequest {
+  std::vector<std::string> sources;           ///< a KITTI raw drive, or a left and a right folder
+  std::string calib;                          ///< empty: that of the drive
+  std::string times;                          ///< file of times, a line a pair; empty: see below
+  std::optional<double> rate_hz;              ///< pairs a second
+  std::optional<std::array<int, 2>> cameras;  ///< of a drive; else 0 and 1 if there, else 2 and 3
+};
+
+/// Times: those of `times`, else by `rate_hz`, else the drive's own image_XX/timestamps.txt, else 10 Hz with a note.
+/// @throws flies::InputError when a source is missing, counts differ, or a drive lacks its calibration
+SequenceSource open_sequence(const SequenceRequest& request);

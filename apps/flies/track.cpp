@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <opencv2/core/utility.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "camera_arguments.hpp"
+#include "commands.hpp"
+#include "flies/core/error.hpp"
+#include "flies/io/calibration.hpp"
+#include "flies/io/images.hpp"
+#include "flies/io/pair_check.hpp"
+#include "flies/pipeline/tracker.hpp"
+#include "line_file.hpp"
+#include "method_arguments.hpp"
+#include "notes.hpp"
+#include "sequence_source.hpp"
+#include "standard_output.hpp"
+#include "track_outputs.hpp"
+
+namespace {
+
+struct TrackArguments {
+  SequenceRequest sequence;
+  CameraArguments camera;
+  std::string model;
+  MethodArguments method;
+  std::vector<std::pair<std::string, std::string>> following;  ///< options of ego and track: dotted name and text
+  std::string json, kitti;
+};
+
+/// Rate and latency on a terminal, a line that is written over, and at the end one that stays.
+class StatusLine {
+ public:
+  explicit StatusLine(bool is_wanted) : is_visible_(is_wanted && isatty(STDERR_FILENO) != 0) {}
+  ~StatusLine() {
+    if (is_visible_ && !latencies_ms_.empty()) std::fprintf(stderr, "\r\033[K%s\n", text().c_str());
+  }
+  StatusLine(const StatusLine&) = delete;
+  StatusLine& operator=(const StatusLine&) = delete;
+
+  void show(double latency_ms) {
+    latencies_ms_.push_back(latency_ms);
+    if (is_visible_) std::fprintf(stderr, "\r\033[K%s", text().c_str());
+  }
+
+ private:
+  std::string text() const {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+    auto sorted = latencies_ms_;
+    std::sort(sorted.begin(), sorted.end());
+    return fmt::format("{} pairs, {:.1f} a second; latency {:.1f} ms, p99 {:.1f} ms; 0 dropped", sorted.size(),
+                       static_cast<double>(sorted.size()) / elapsed.count(), sorted[sorted.size() / 2],
+                       sorted[sorted.size() * 99 / 100]);
+  }
+
+  bool is_visible_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::vector<double> latencies_ms_;
+};
+
+flies::TrackerOptions tracker_options(const TrackArguments& arguments) {
+  flies::TrackerOptions options;
+  for (const auto& [path, text] : arguments.following) flies::set_option(options, path, text, "command line");
+  return options;
+}
+
+void run_track(TrackArguments arguments) {
+  const flies::DetectorOptions options = effective_options(arguments.method);
+  const flies::TrackerOptions following = tracker_options(arguments);
+  const auto classifier = classifier_for(arguments.method.preset, arguments.model);
+  if (!arguments.camera.cameras.empty())
+    arguments.sequence.cameras = std::array{arguments.camera.cameras[0], arguments.camera.cameras[1]};
+  const SequenceSource source = open_sequence(arguments.sequence);
+
+  // The detector keeps to its own arena; this holds OpenCV, which runs on oneTBB too, to the same number.
+  std::optional<tbb::global_control> thread_limit;
+  if (options.threads > 0) {
+    thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
+    cv::setNumThreads(options.threads);
+  }
+
+  std::optional<flies::Calibration> calibration;
+  std::optional<flies::Tracker> tracker;
+  std::optional<LineFile> json, kitti;
+  if (!arguments.json.empty()) json.emplace(arguments.json);
+  if (!arguments.kitti.empty()) kitti.emplace(arguments.kitti);
+  StatusLine status(json && arguments.json != "-");
+  for (std::size_t i = 0; i < source.pairs.size(); ++i) {
+    const auto& [left_path, right_path] = source.pairs[i];
+    flies::GrayPair images = flies::load_pair(left_path, right_path);
+    if (i == 0)
+      calibration = flies::load_calibration(
+          source.calib, calibration_request(arguments.camera, left_path, right_path, images.view()));
+    if (calibration->rectifier) images = calibration->rectifier->rectify(images);
+    const flies::RectifiedPair pair = images.view();
+    flies::check_camera_fits(calibration->camera, pair.left.width_px, pair.left.height_px,
+                             i == 0 ? source.calib : left_path);
+    if (i == 0) {
+      calibration->camera.width_px = pair.left.width_px;
+      calibration->camera.height_px = pair.left.height_px;
+      tracker.emplace(calibration->camera, options, following, classifier);
+      flies::check_true_pair(pair, calibration->camera, left_path, right_path);
+    }
+
+    const auto start = std::chrono::steady_clock::now();
+    const TrackedFrame frame{.frame = static_cast<int>(i),
+                             .left = left_path,
+                             .right = right_path,
+                             .seed = options.seed,
+                             .preset = preset_name(options),
+                             .camera = calibration->camera,
+                             .tracking = tracker->process(pair, source.times_s[i])};
+    const std::chrono::duration<double, std::milli> latency = std::chrono::steady_clock::now() - start;
+    if (json) json->write(track_json_line(frame));
+    if (kitti) kitti->write(kitti_tracking_lines(frame));
+    if (!json && !kitti) print(track_table(frame));
+    status.show(latency.count());
+  }
+  auto notes = source.notes;
+  for (const auto& note : calibration->notes) notes.push_back(source.calib + ": " + note);
+  say_notes(notes);
+}
+
+}  // namespace
+
+void setup_track(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("track", "follow things through a sequence: identity, velocity, ego-motion");
+  const auto arguments = std::make_shared<TrackArguments>();
+  command
+      ->add_option("SOURCE", arguments->sequence.sources, "a KITTI raw drive, or the folders of left and right images")
+      ->required()
+      ->expected(1, 2);
+  command->add_option("--calib", arguments->sequence.calib, "calibration; of a drive the one beside it, if not given")
+      ->type_name("FILE");
+  command->add_option("--rate", arguments->sequence.rate_hz, "pairs a second, where there are no times")
+      ->check(CLI::Range(0.01, 10000.0).description(""))
+      ->type_name("HZ");
+  command->add_option("--times", arguments->sequence.times, "times of the pairs, one a line: seconds, or as KITTI raw")
+      ->type_name("FILE");
+  add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 2,3; of a drive else 0,1 when there, else 2,3");
+  add_mount_options(*command, arguments->camera);
+  add_method_options(*command, arguments->method);
+  for (const auto& listing : flies::list_options(flies::TrackerOptions{}))
+    command
+        ->add_option_function<std::string>(
+            "--" + listing.path,
+            [following = &arguments->following, path = listing.path](const std::string& text) {
+              following->emplace_back(path, text);
+            },
+            fmt::format("{}; {}, default {}", listing.meaning, listing.allowed, listing.value))
+        ->type_name("N")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->group("Following");
+  command
+      ->add_option("--model", arguments->model,
+                   "people model: a name that `flies info` lists, a model file or a network")
+      ->type_name("NAME|FILE")
+      ->group("Method");
+  command->add_option("--json", arguments->json, "one JSON object a line, a line a pair; - is standard output")
+      ->type_name("FILE")
+      ->group("Output");
+  command->add_option("--kitti", arguments->kitti, "KITTI's tracking format, a line a track; - is standard output")
+      ->type_name("FILE")
+      ->group("Output");
+  command->footer(
+      "\nVelocities are over ground, in the axes of the vehicle at that time (x forward, y left). Lines are\n"
+      "written whole and at once, so that a pipe or `tail -f` sees each pair when it is done. Without outputs\n"
+      "a table is printed. docs/dynamic.md says how it works and how well.\n"
+      "\nExamples:\n"
+      "  flies track 2011_09_26/2011_09_26_drive_0005_sync\n"
+      "  flies track left right --calib calib.yaml --rate 15 --json - | tee tracks.jsonl\n"
+      "\nExit status: 0 done, 2 a fault in the input, told in one line.");
+  command->callback([arguments] { run_track(*arguments); });
+}

@@ -1,0 +1,204 @@
+#include "flies/ego/ego_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "flies/core/error.hpp"
+#include "flies/ego/follow_corners.hpp"
+#include "flies/ego/solve_pose.hpp"
+
+namespace flies {
+namespace {
+
+constexpr double kMinDisparity_px = 1.0;  // over that of infinity: farther corners have no depth
+
+RigidMotion as_rigid(const cv::Matx33d& rotation, const cv::Vec3d& shift_m) {
+  RigidMotion motion;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      motion.rotation[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = rotation(i, j);
+  motion.shift = {shift_m[0], shift_m[1], shift_m[2]};
+  return motion;
+}
+
+cv::Vec3d as_vec(const Point3& p) { return {p.x_m, p.y_m, p.z_m}; }
+
+/// The left camera's frame (x right, y down, z forward) in the vehicle frame.
+struct CameraPlace {
+  cv::Matx33d vehicle_from_camera;
+  cv::Vec3d at_m;
+
+  CameraPlace(const StereoCamera& camera, const Projection& projection) {
+    const auto place = [&](double x, double y) {
+      return as_vec(projection.triangulate(
+          {camera.cx_px + camera.fx_px * x, camera.cy_px + camera.fy_px * y, projection.disparity_at_depth(1.0)}));
+    };
+    at_m = {0.0, 0.0, camera.mount.height_m};
+    const cv::Vec3d ahead = place(0, 0), right = place(1, 0) - ahead, down = place(0, 1) - ahead;
+    const cv::Vec3d forward = ahead - at_m;
+    for (int i = 0; i < 3; ++i) {
+      vehicle_from_camera(i, 0) = right[i];
+      vehicle_from_camera(i, 1) = down[i];
+      vehicle_from_camera(i, 2) = forward[i];
+    }
+  }
+};
+
+/// Velocities over ground from the motion of standing points.
+void set_velocities(EgoMotion& ego) {
+  const RigidMotion previous_from_current = ego.current_from_previous.inverse();
+  // The way of the origin, halfway between the axes at its two ends; turned on to those of now.
+  const double yaw = std::atan2(previous_from_current.rotation[1][0], previous_from_current.rotation[0][0]);
+  const Point3& way = previous_from_current.shift;
+  ego.vx_mps = (std::cos(yaw / 2) * way.x_m + std::sin(yaw / 2) * way.y_m) / ego.dt_s;
+  ego.vy_mps = (-std::sin(yaw / 2) * way.x_m + std::cos(yaw / 2) * way.y_m) / ego.dt_s;
+  ego.yaw_rate_rps = yaw / ego.dt_s;
+}
+
+}  // namespace
+
+Point3 RigidMotion::operator()(const Point3& p) const {
+  const auto row = [&](std::size_t i) {
+    return rotation[i][0] * p.x_m + rotation[i][1] * p.y_m + rotation[i][2] * p.z_m;
+  };
+  return {row(0) + shift.x_m, row(1) + shift.y_m, row(2) + shift.z_m};
+}
+
+RigidMotion RigidMotion::inverse() const {
+  RigidMotion inverse;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) inverse.rotation[i][j] = rotation[j][i];
+  const Point3 back = inverse(shift);  // its own shift is still zero
+  inverse.shift = {-back.x_m, -back.y_m, -back.z_m};
+  return inverse;
+}
+
+EgoMotion given_ego_motion(double dt_s, double vx_mps, double vy_mps, double yaw_rate_rps,
+                           const std::array<double, 3>& standard_deviations) {
+  EgoMotion ego;
+  ego.is_known = dt_s > 0.0;
+  if (!ego.is_known) return ego;
+  ego.dt_s = dt_s;
+  const double yaw = yaw_rate_rps * dt_s, half = yaw / 2;
+  RigidMotion previous_from_current;
+  previous_from_current.rotation = {{{std::cos(yaw), -std::sin(yaw), 0}, {std::sin(yaw), std::cos(yaw), 0}, {0, 0, 1}}};
+  previous_from_current.shift = {(std::cos(half) * vx_mps - std::sin(half) * vy_mps) * dt_s,
+                                 (std::sin(half) * vx_mps + std::cos(half) * vy_mps) * dt_s, 0.0};
+  ego.current_from_previous = previous_from_current.inverse();
+  ego.vx_mps = vx_mps;
+  ego.vy_mps = vy_mps;
+  ego.yaw_rate_rps = yaw_rate_rps;
+  for (std::size_t i = 0; i < 3; ++i) ego.covariance[i][i] = standard_deviations[i] * standard_deviations[i];
+  return ego;
+}
+
+struct EgoEstimator::Memory {
+  StereoCamera camera;
+  Projection projection;
+  EgoOptions options;
+  CameraPlace place;
+  ego::PreparedPair before;
+  ego::CameraMotion motion;  ///< the last one, a guess for the next
+  double time_s = 0.0, last_dt_s = 0.0;
+  std::uint32_t frame = 0;
+
+  Memory(const StereoCamera& c, const EgoOptions& o) : camera(c), projection(c), options(o), place(c, projection) {}
+
+  EgoMotion estimate(const ego::PreparedPair& now, double dt_s);
+  EgoMotion in_vehicle(const ego::PoseResult& pose, double dt_s) const;
+};
+
+EgoMotion EgoEstimator::Memory::estimate(const ego::PreparedPair& now, double dt_s) {
+  EgoMotion lost;
+  lost.dt_s = dt_s;
+  if (before.empty() || now.empty()) return lost;
+  const ego::Pinhole pinhole{camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};
+  // Corners too far to have a depth say nothing of the shift and would be taken for near ones' outliers.
+  std::erase_if(before.corners, [&](const ego::StereoCorner& corner) {
+    return corner.disparity_px < projection.disparity_offset_px() + kMinDisparity_px;
+  });
+  std::vector<ego::FollowedCorner> corners;
+  std::vector<cv::Point2f> guess_px;
+  for (const auto& corner : before.corners) {
+    const double z = projection.depth_at_disparity(corner.disparity_px);
+    const cv::Vec3d point((corner.left_px.x - camera.cx_px) / camera.fx_px * z,
+                          (corner.left_px.y - camera.cy_px) / camera.fy_px * z, z);
+    const cv::Vec3d guess = motion.rotation * point + motion.shift_m;
+    corners.push_back({point, {}});
+    guess_px.push_back(guess[2] > 0.5
+                           ? cv::Point2f(static_cast<float>(camera.cx_px + camera.fx_px * guess[0] / guess[2]),
+                                         static_cast<float>(camera.cy_px + camera.fy_px * guess[1] / guess[2]))
+                           : corner.left_px);
+  }
+  const auto found_px = ego::follow_corners(before, now, guess_px);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < found_px.size(); ++i) {
+    if (std::isnan(found_px[i].x)) continue;
+    corners[kept++] = {corners[i].before_m, {found_px[i].x, found_px[i].y}};
+  }
+  corners.resize(kept);
+  lost.followed = static_cast<int>(kept);
+  const auto pose = ego::solve_pose(corners, pinhole, motion, options, frame);
+  if (!pose) return lost;
+  lost.agreeing = pose->agreeing;
+  if (pose->agreeing < options.min_agreeing ||
+      pose->agreeing < options.min_agreeing_share * static_cast<double>(corners.size()))
+    return lost;
+  EgoMotion known = in_vehicle(*pose, dt_s);
+  known.followed = lost.followed;
+  motion = pose->motion;
+  return known;
+}
+
+EgoMotion EgoEstimator::Memory::in_vehicle(const ego::PoseResult& pose, double dt_s) const {
+  EgoMotion ego;
+  ego.is_known = true;
+  ego.dt_s = dt_s;
+  ego.agreeing = pose.agreeing;
+  const cv::Matx33d& v = place.vehicle_from_camera;
+  const cv::Matx33d rotation = v * pose.motion.rotation * v.t();
+  ego.current_from_previous = as_rigid(rotation, v * pose.motion.shift_m + place.at_m - rotation * place.at_m);
+  set_velocities(ego);
+  // The origin moves by minus the shift; a turn of the camera is one about the axes of the vehicle. The arm from the
+  // camera down to the origin adds pitch and roll rates, which say nothing of the way over ground, so it is left out.
+  const cv::Matx33d& c = pose.covariance.get_minor<3, 3>(3, 3);
+  const cv::Matx33d turn = v * pose.covariance.get_minor<3, 3>(0, 0) * v.t();
+  const cv::Matx33d shift = v * c * v.t();
+  const cv::Matx33d cross = v * pose.covariance.get_minor<3, 3>(0, 3) * v.t();
+  const double per_s2 = 1.0 / (dt_s * dt_s);
+  ego.covariance = {{{shift(0, 0) * per_s2, shift(0, 1) * per_s2, cross(2, 0) * per_s2},
+                     {shift(1, 0) * per_s2, shift(1, 1) * per_s2, cross(2, 1) * per_s2},
+                     {cross(2, 0) * per_s2, cross(2, 1) * per_s2, turn(2, 2) * per_s2}}};
+  return ego;
+}
+
+EgoEstimator::EgoEstimator(const StereoCamera& camera, const EgoOptions& options) {
+  check_camera(camera, "camera");
+  check_options(options, "options");
+  memory_ = std::make_unique<Memory>(camera, options);
+}
+EgoEstimator::~EgoEstimator() = default;
+EgoEstimator::EgoEstimator(EgoEstimator&&) noexcept = default;
+EgoEstimator& EgoEstimator::operator=(EgoEstimator&&) noexcept = default;
+
+EgoMotion EgoEstimator::follow(const RectifiedPair& pair, double time_s) {
+  check_pair(pair);
+  check_camera_fits(memory_->camera, pair.left.width_px, pair.left.height_px, "camera");
+  const bool is_first = memory_->frame == 0;
+  const double dt_s = is_first ? 0.0 : time_s - memory_->time_s;
+  if (!std::isfinite(time_s) || (!is_first && !(dt_s > 0.0)))
+    throw InputError("pair", "time_s",
+                     fmt::format("found {} after {}, expected times that advance", time_s, memory_->time_s));
+  auto now = ego::prepare(pair, memory_->projection.disparity_offset_px(), memory_->options);
+  const EgoMotion ego = is_first ? EgoMotion{} : memory_->estimate(now, dt_s);
+  if (!ego.is_known) memory_->motion = {};
+  memory_->before = std::move(now);
+  memory_->time_s = time_s;
+  ++memory_->frame;
+  return ego;
+}
+
+}  // namespace flies

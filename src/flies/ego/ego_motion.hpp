@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "flies/core/gray_view.hpp"
+#include "flies/core/options.hpp"
+#include "flies/core/stereo_camera.hpp"
+
+namespace flies {
+
+/// A turn and then a shift: what takes points from one frame to another.
+struct RigidMotion {
+  std::array<std::array<double, 3>, 3> rotation{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  Point3 shift;
+
+  Point3 operator()(const Point3& point) const;
+  RigidMotion inverse() const;
+};
+
+struct EgoOptions {
+  int corners = 400;
+  bool half_resolution = true;
+  int hypotheses = 60;
+  double max_residual_px = 1.5;
+  int min_agreeing = 20;
+  double min_agreeing_share = 0.4;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("corners", self.corners, Range{30, 5000}, "corners followed from pair to pair");
+    field("half_resolution", self.half_resolution, "follow them in images of half the size: quicker, less exact");
+    field("hypotheses", self.hypotheses, Range{1, 1000}, "motions tried, each from three corners");
+    field("max_residual_px", self.max_residual_px, Range{0.1, 20}, "a corner this near its prediction agrees");
+    field("min_agreeing", self.min_agreeing, Range{6, 1000}, "fewer agreeing corners than this: lost");
+    field("min_agreeing_share", self.min_agreeing_share, Range{0, 1}, "a smaller share of the corners: lost");
+  }
+};
+
+/// How the camera moved from the pair before to this one. Velocities are over ground, averaged over that time, in the
+/// axes of the vehicle frame at this pair.
+struct EgoMotion {
+  bool is_known = false;              ///< false: the first pair, or lost; then all that follows is zero
+  double dt_s = 0.0;                  ///< time since the pair before
+  RigidMotion current_from_previous;  ///< of points that stand still, vehicle frame
+  double vx_mps = 0.0;                ///< forward
+  double vy_mps = 0.0;                ///< to the left
+  double yaw_rate_rps = 0.0;          ///< positive to the left
+  /// Of (vx, vy, yaw rate), from the scatter of the corners about the motion.
+  std::array<std::array<double, 3>, 3> covariance{};
+  int followed = 0;  ///< corners found again in this pair
+  int agreeing = 0;  ///< of those, on things that stand still by this motion
+};
+
+/// A known motion in the plane of the road (a wheel and yaw-rate sensor, or GPS/IMU) as an `EgoMotion`.
+/// @param vx_mps, vy_mps over ground at the vehicle origin, constant over the time in the turning frame
+EgoMotion given_ego_motion(double dt_s, double vx_mps, double vy_mps, double yaw_rate_rps,
+                           const std::array<double, 3>& standard_deviations = {});
+
+/// Estimates the motion of the camera from pair to pair: corners get their depth from the pair, are followed into the
+/// next left image (Lucas-Kanade), and the motion is the one under which most of them stand still (consensus of random
+/// triples, then robust least squares of the reprojection). A deterministic function of the pairs so far.
+class EgoEstimator {
+ public:
+  /// @throws InputError when the camera or an option is out of range
+  explicit EgoEstimator(const StereoCamera& camera, const EgoOptions& options = {});
+  ~EgoEstimator();
+  EgoEstimator(EgoEstimator&&) noexcept;
+  EgoEstimator& operator=(EgoEstimator&&) noexcept;
+
+  /// @param time_s of the pair, greater than that of the one before
+  /// @throws InputError when the images are empty, differ in size or do not fit the camera, or time does not advance
+  EgoMotion follow(const RectifiedPair& pair, double time_s);
+
+ private:
+  struct Memory;
+  std::unique_ptr<Memory> memory_;
+};
+
+}  // namespace flies

@@ -1,0 +1,181 @@
+#include "flies/ego/ego_motion.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "flies/core/error.hpp"
+#include "flies/core/random.hpp"
+#include "flies/ego/solve_pose.hpp"
+
+namespace flies {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+StereoCamera camera() {
+  return {.fx_px = 720,
+          .fy_px = 720,
+          .cx_px = 620,
+          .cx_right_px = 620,
+          .cy_px = 180,
+          .baseline_m = 0.54,
+          .width_px = 1242,
+          .height_px = 375,
+          .mount = {.height_m = 1.65, .pitch_rad = 0.02, .roll_rad = 0.01}};
+}
+
+/// Corners of a street seen before and after a motion, with noise, a part of them on things that move themselves.
+std::vector<ego::FollowedCorner> corners_of(const ego::CameraMotion& motion, int count, double noise_px,
+                                            double moving_share, std::uint32_t trial) {
+  const StereoCamera c = camera();
+  std::vector<ego::FollowedCorner> corners;
+  for (int i = 0; i < count; ++i) {
+    FlyRandom random(3, 0, trial, static_cast<std::uint32_t>(i));
+    const double z = 1.0 / random.uniform(1.0 / 40.0, 1.0 / 5.0);
+    const cv::Vec3d before((random.uniform(0, 1242) - 620) / 720 * z, (random.uniform(0, 375) - 180) / 720 * z, z);
+    cv::Vec3d now = motion.rotation * before + motion.shift_m;
+    if (random.uniform() < moving_share) now += cv::Vec3d(0.6, 0.0, -0.4);  // one thing, all its corners alike
+    corners.push_back({before,
+                       {c.cx_px + c.fx_px * now[0] / now[2] + noise_px * random.normal(),
+                        c.cy_px + c.fy_px * now[1] / now[2] + noise_px * random.normal()}});
+  }
+  return corners;
+}
+
+ego::CameraMotion drive_ahead() {
+  const double yaw = 0.03;
+  return {cv::Matx33d(std::cos(yaw), 0, std::sin(yaw), 0, 1, 0, -std::sin(yaw), 0, std::cos(yaw)), {0.02, 0.01, -0.8}};
+}
+
+constexpr ego::Pinhole kPinhole{720, 720, 620, 180};
+
+TEST(SolvePose, FindsTheMotionWhenAThirdOfTheCornersMoves) {
+  const auto truth = drive_ahead();
+  const auto found = ego::solve_pose(corners_of(truth, 300, 0.2, 0.33, 1), kPinhole, {}, {}, 0);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->motion.shift_m[2], -0.8, 0.02);
+  EXPECT_NEAR(found->motion.shift_m[0], 0.02, 0.02);
+  EXPECT_NEAR(found->motion.rotation(0, 2), truth.rotation(0, 2), 0.0005);
+}
+
+// The normalised squared error of six parameters is 6 on average when the covariance is right.
+TEST(SolvePose, ItsCovarianceHasTheSizeOfItsErrors) {
+  const auto truth = drive_ahead();
+  constexpr int kTrials = 200;
+  double sum = 0.0;
+  for (std::uint32_t trial = 0; trial < kTrials; ++trial) {
+    const auto found = ego::solve_pose(corners_of(truth, 200, 0.2, 0.0, trial), kPinhole, truth, {}, trial);
+    ASSERT_TRUE(found);
+    const cv::Matx33d turn = found->motion.rotation * truth.rotation.t();
+    const cv::Vec3d shift = found->motion.shift_m - truth.shift_m;
+    const cv::Matx61d error(turn(2, 1), turn(0, 2), turn(1, 0), shift[0], shift[1], shift[2]);
+    sum += (error.t() * found->covariance.inv() * error)(0, 0);
+  }
+  EXPECT_GT(sum / kTrials, 4.5);
+  EXPECT_LT(sum / kTrials, 8.0);
+}
+
+TEST(SolvePose, SaysNothingOfTwoCorners) {
+  EXPECT_FALSE(ego::solve_pose(corners_of({}, 2, 0.0, 0.0, 1), kPinhole, {}, {}, 0));
+}
+
+TEST(GivenEgoMotion, TurnsThePointsThatStandStill) {
+  const double quarter = std::acos(-1.0) / 2;
+  const auto ego = given_ego_motion(1.0, 0.0, 0.0, quarter);  // turns to the left on the spot
+  const Point3 now = ego.current_from_previous({10, 0, 1});
+  EXPECT_NEAR(now.x_m, 0.0, 1e-9);
+  EXPECT_NEAR(now.y_m, -10.0, 1e-9);
+  EXPECT_NEAR(now.z_m, 1.0, 1e-9);
+  const auto back = ego.current_from_previous.inverse()(now);
+  EXPECT_NEAR(back.x_m, 10.0, 1e-9);
+  EXPECT_TRUE(given_ego_motion(0.5, 8.0, 0.0, 0.0).is_known);
+  EXPECT_NEAR(given_ego_motion(0.5, 8.0, 0.0, 0.0).current_from_previous({10, 2, 0}).x_m, 6.0, 1e-9);
+  EXPECT_FALSE(given_ego_motion(0.0, 8.0, 0.0, 0.0).is_known);
+}
+
+/// Planes of noise at three depths, shifted to where a camera sees them that has moved `shift_px` per pixel of
+/// disparity.
+struct NoisePair {
+  std::vector<std::uint8_t> left, right;
+
+  NoisePair(double moved_m, std::uint32_t seed) : left(1242 * 375), right(1242 * 375) {
+    const StereoCamera c = camera();
+    for (int v = 0; v < 375; ++v) {
+      const double depth_m = v < 125 ? 20.0 : v < 250 ? 12.0 : 8.0;
+      for (int u = 0; u < 1242; ++u) {
+        const double x_m = (u - 620) / c.fx_px * depth_m + moved_m;
+        const double baseline_m = c.baseline_m;
+        const auto at = static_cast<std::size_t>(v * 1242 + u);
+        left[at] = gray(x_m, v, depth_m, seed);
+        right[at] = gray(x_m + baseline_m, v, depth_m, seed);
+      }
+    }
+  }
+  /// Smooth noise of 4 px cells.
+  static std::uint8_t gray(double x_m, int v, double depth_m, std::uint32_t seed) {
+    const double cell = x_m / depth_m * 720 / 4 + 1000, left_cell = std::floor(cell);
+    const auto value = [&](double column) {
+      return FlyRandom(seed, static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(v / 4), 0).uniform(20, 235);
+    };
+    const double share = cell - left_cell;
+    return static_cast<std::uint8_t>(value(left_cell) * (1 - share) + value(left_cell + 1) * share);
+  }
+  RectifiedPair pair() const { return {{left.data(), 1242, 375, 1242}, {right.data(), 1242, 375, 1242}}; }
+};
+
+TEST(EgoEstimator, MeasuresAStepToTheRight) {
+  EgoEstimator estimator(camera());
+  EXPECT_FALSE(estimator.follow(NoisePair(0.0, 5).pair(), 10.0).is_known) << "one pair shows no motion";
+  const EgoMotion ego = estimator.follow(NoisePair(0.2, 5).pair(), 10.1);
+  ASSERT_TRUE(ego.is_known);
+  EXPECT_NEAR(ego.dt_s, 0.1, 1e-9);
+  // The planes carry their texture along in v only, so that the step is all there is.
+  EXPECT_NEAR(std::hypot(ego.vx_mps, ego.vy_mps), 2.0, 0.1);
+  EXPECT_LT(ego.vy_mps, -1.9);
+  EXPECT_NEAR(ego.yaw_rate_rps, 0.0, 0.02);
+  EXPECT_GT(ego.covariance[0][0], 0.0);
+}
+
+TEST(EgoEstimator, IsLostAcrossACutAndFindsItsWayAgain) {
+  EgoEstimator estimator(camera());
+  estimator.follow(NoisePair(0.0, 5).pair(), 0.0);
+  const EgoMotion cut = estimator.follow(NoisePair(0.0, 6).pair(), 0.1);
+  EXPECT_FALSE(cut.is_known);
+  EXPECT_EQ(cut.vx_mps, 0.0);
+  EXPECT_TRUE(estimator.follow(NoisePair(0.1, 6).pair(), 0.2).is_known);
+}
+
+TEST(EgoEstimator, IsLostWithoutTexture) {
+  const std::vector<std::uint8_t> gray(1242 * 375, 90);
+  const GrayView view{gray.data(), 1242, 375, 1242};
+  EgoEstimator estimator(camera());
+  estimator.follow({view, view}, 0.0);
+  EXPECT_FALSE(estimator.follow({view, view}, 0.1).is_known);
+}
+
+TEST(EgoEstimator, RefusesTimeThatStandsStill) {
+  const NoisePair pair(0.0, 5);
+  EgoEstimator estimator(camera());
+  estimator.follow(pair.pair(), 1.0);
+  EXPECT_THAT([&] { estimator.follow(pair.pair(), 1.0); }, ThrowsMessage<InputError>(HasSubstr("time_s")));
+  EXPECT_THAT([&] { estimator.follow({}, 2.0); }, ThrowsMessage<InputError>(HasSubstr("left image")));
+}
+
+TEST(EgoEstimator, TakesAnImageOfOnePixel) {
+  StereoCamera tiny = camera();
+  tiny.width_px = tiny.height_px = 1;
+  tiny.cx_px = tiny.cx_right_px = tiny.cy_px = 0;
+  const std::uint8_t pixel = 7;
+  const GrayView view{&pixel, 1, 1, 1};
+  EgoEstimator estimator(tiny);
+  estimator.follow({view, view}, 0.0);
+  EXPECT_FALSE(estimator.follow({view, view}, 0.1).is_known);
+}
+
+}  // namespace
+}  // namespace flies

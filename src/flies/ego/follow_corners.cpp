@@ -1,0 +1,153 @@
+#include "flies/ego/follow_corners.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+namespace flies::ego {
+namespace {
+
+constexpr int kLevels = 3;                            // above the lowest
+constexpr int kBorder_px = 10;                        // corners keep this far from the edge of the image
+constexpr int kFastThreshold = 12;                    // grey levels
+constexpr int kMaxDisparity_px = 192;                 // of the full image: 2 m with KITTI's cameras
+constexpr int kHalfWidth_px = 8, kHalfHeight_px = 3;  // of the patch that finds the disparity: 16 bytes wide
+constexpr double kUniqueness = 1.15;                  // the second best match must be this much worse
+constexpr float kMaxRowError_px = 1.0F;               // matches left to right that leave their row are wrong
+const cv::Size kWindow(13, 13);
+const cv::TermCriteria kUntil(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 10, 0.02);
+constexpr double kMinEigenvalue = 1e-3;
+
+cv::Mat as_mat(const GrayView& view) {
+  // OpenCV has no view of constant pixels; nothing writes to this one.
+  return cv::Mat(view.height_px, view.width_px, CV_8UC1, const_cast<std::uint8_t*>(view.data),
+                 static_cast<std::size_t>(view.stride));
+}
+
+cv::Mat scaled(const GrayView& view, int scale) {
+  if (scale == 1) return as_mat(view);
+  cv::Mat small;
+  cv::resize(as_mat(view), small, cv::Size(view.width_px / scale, view.height_px / scale), 0, 0, cv::INTER_AREA);
+  return small;
+}
+
+/// Between pixels of the full image and of the scaled one; pixels count from their centres.
+cv::Point2f to_scaled(const cv::Point2f& p, int scale) {
+  const float half = 0.5F * static_cast<float>(scale - 1);
+  return {(p.x - half) / static_cast<float>(scale), (p.y - half) / static_cast<float>(scale)};
+}
+cv::Point2f to_full(const cv::Point2f& p, int scale) {
+  const float half = 0.5F * static_cast<float>(scale - 1);
+  return {p.x * static_cast<float>(scale) + half, p.y * static_cast<float>(scale) + half};
+}
+
+/// The strongest corners of each cell of a grid, so that the whole image has its say.
+std::vector<cv::Point2f> spread_corners(const cv::Mat& image, int wanted) {
+  std::vector<cv::KeyPoint> found;
+  cv::FAST(image, found, kFastThreshold, true);
+  constexpr int kInCell = 3;
+  const double cell = std::sqrt(static_cast<double>(image.cols) * image.rows * kInCell / wanted);
+  const int columns = static_cast<int>(image.cols / cell) + 1, rows = static_cast<int>(image.rows / cell) + 1;
+  std::stable_sort(found.begin(), found.end(),
+                   [](const cv::KeyPoint& a, const cv::KeyPoint& b) { return a.response > b.response; });
+  std::vector<int> taken(static_cast<std::size_t>(columns * rows), 0);
+  std::vector<cv::Point2f> corners;
+  for (const auto& key : found) {
+    const cv::Point2f p = key.pt;
+    if (p.x < kBorder_px || p.y < kBorder_px || p.x >= static_cast<float>(image.cols - kBorder_px) ||
+        p.y >= static_cast<float>(image.rows - kBorder_px))
+      continue;
+    int& count = taken[static_cast<std::size_t>(static_cast<int>(p.y / cell) * columns + static_cast<int>(p.x / cell))];
+    if (count >= kInCell) continue;
+    ++count;
+    corners.push_back(p);
+  }
+  return corners;
+}
+
+int patch_difference(const cv::Mat& left, const cv::Mat& right, int u_left, int u_right, int v) {
+  int sum = 0;
+  for (int j = -kHalfHeight_px; j <= kHalfHeight_px; ++j) {
+    const std::uint8_t* a = left.ptr<std::uint8_t>(v + j) + u_left - kHalfWidth_px;
+    const std::uint8_t* b = right.ptr<std::uint8_t>(v + j) + u_right - kHalfWidth_px;
+    for (int i = 0; i < 2 * kHalfWidth_px; ++i) sum += std::abs(a[i] - b[i]);
+  }
+  return sum;
+}
+
+/// Whole-pixel disparity of one corner; negative when there is no clear one.
+int search_disparity(const cv::Mat& left, const cv::Mat& right, int u, int v, int min_px, int max_px) {
+  const int last = std::min({max_px, u - kHalfWidth_px}), first = std::max(min_px, u + kHalfWidth_px - right.cols);
+  std::array<int, kMaxDisparity_px + 1> costs{};
+  int best = -1;
+  for (int d = first; d <= last; ++d) {
+    const auto at = static_cast<std::size_t>(d - first);
+    costs[at] = patch_difference(left, right, u, u - d, v);
+    if (best < 0 || costs[at] < costs[static_cast<std::size_t>(best - first)]) best = d;
+  }
+  if (best < 0) return -1;
+  const double limit = kUniqueness * costs[static_cast<std::size_t>(best - first)] + 1.0;
+  for (int d = first; d <= last; ++d)
+    if (std::abs(d - best) > 1 && costs[static_cast<std::size_t>(d - first)] < limit) return -1;
+  return best;
+}
+
+}  // namespace
+
+PreparedPair prepare(const RectifiedPair& pair, double min_disparity_px, const EgoOptions& options) {
+  PreparedPair prepared;
+  prepared.scale = options.half_resolution ? 2 : 1;
+  const int scale = prepared.scale;
+  if (std::min(pair.left.width_px, pair.left.height_px) <= 3 * kBorder_px * scale) return prepared;
+  const cv::Mat left = scaled(pair.left, scale), right = scaled(pair.right, scale);
+  cv::buildOpticalFlowPyramid(left, prepared.left_pyramid, kWindow, kLevels, true, cv::BORDER_REFLECT_101,
+                              cv::BORDER_CONSTANT, false);
+  std::vector<cv::Mat> right_pyramid;
+  cv::buildOpticalFlowPyramid(right, right_pyramid, kWindow, 0, false);
+
+  const int min_px = std::max(0, static_cast<int>(std::floor(min_disparity_px / scale)));
+  std::vector<cv::Point2f> in_left, in_right;
+  for (const auto& p : spread_corners(left, options.corners)) {
+    const int u = cvRound(p.x), v = cvRound(p.y);
+    const int disparity = search_disparity(left, right, u, v, min_px, min_px + kMaxDisparity_px / scale);
+    if (disparity < 0) continue;
+    in_left.push_back(p);
+    in_right.emplace_back(p.x - static_cast<float>(disparity), p.y);
+  }
+  if (in_left.empty()) return prepared;
+  std::vector<std::uint8_t> status;
+  cv::calcOpticalFlowPyrLK(prepared.left_pyramid, right_pyramid, in_left, in_right, status, cv::noArray(), kWindow, 0,
+                           kUntil, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
+  for (std::size_t i = 0; i < in_left.size(); ++i) {
+    if (!status[i] || !(std::abs(in_left[i].y - in_right[i].y) <= kMaxRowError_px)) continue;
+    prepared.corners.push_back(
+        {to_full(in_left[i], scale), static_cast<float>(scale) * (in_left[i].x - in_right[i].x)});
+  }
+  return prepared;
+}
+
+std::vector<cv::Point2f> follow_corners(const PreparedPair& before, const PreparedPair& now,
+                                        const std::vector<cv::Point2f>& guess_px) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  std::vector<cv::Point2f> from, to;
+  for (const auto& corner : before.corners) from.push_back(to_scaled(corner.left_px, before.scale));
+  for (const auto& guess : guess_px) to.push_back(to_scaled(guess, now.scale));
+  if (from.empty()) return {};
+  std::vector<std::uint8_t> status;
+  cv::calcOpticalFlowPyrLK(before.left_pyramid, now.left_pyramid, from, to, status, cv::noArray(), kWindow, kLevels,
+                           kUntil, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
+  const auto width = static_cast<float>(now.left_pyramid[0].cols),
+             height = static_cast<float>(now.left_pyramid[0].rows);
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    const bool inside = to[i].x >= 0.0F && to[i].y >= 0.0F && to[i].x < width && to[i].y < height;
+    to[i] = status[i] && inside ? to_full(to[i], now.scale) : cv::Point2f(kNone, kNone);
+  }
+  return to;
+}
+
+}  // namespace flies::ego

@@ -1,0 +1,142 @@
+#include "flies/ego/solve_pose.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "flies/core/random.hpp"
+
+namespace flies::ego {
+namespace {
+
+constexpr double kMinDepth_m = 0.2;
+constexpr std::uint64_t kSeed = 0x65676f;  // of the triples: results do not depend on the detector's seed
+constexpr int kTripleSteps = 5, kRefineSteps = 8;
+
+using Vec6 = cv::Vec<double, 6>;
+
+/// Rodrigues' formula.
+cv::Matx33d turn(const cv::Vec3d& w) {
+  const double angle = cv::norm(w);
+  const double a = angle < 1e-9 ? 1.0 : std::sin(angle) / angle;
+  const double b = angle < 1e-9 ? 0.5 : (1.0 - std::cos(angle)) / (angle * angle);
+  const cv::Matx33d k(0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0);
+  return cv::Matx33d::eye() + a * k + b * (k * k);
+}
+
+struct Residual {
+  bool is_valid = false;
+  cv::Vec2d px;
+  cv::Vec3d turned, at;
+};
+
+Residual residual_of(const FollowedCorner& corner, const Pinhole& camera, const CameraMotion& motion) {
+  Residual r;
+  r.turned = motion.rotation * corner.before_m;
+  r.at = r.turned + motion.shift_m;
+  if (!(r.at[2] > kMinDepth_m)) return r;
+  r.is_valid = true;
+  r.px = {corner.now_px[0] - (camera.cx_px + camera.f_px * r.at[0] / r.at[2]),
+          corner.now_px[1] - (camera.cy_px + camera.fy_px * r.at[1] / r.at[2])};
+  return r;
+}
+
+/// Adds the weighted normal equations of one corner. The parameters are a small turn after the rotation, then the
+/// shift.
+void add_normal_equations(const Residual& r, const Pinhole& camera, double weight, cv::Matx66d& a, Vec6& b) {
+  const double z = r.at[2], z2 = z * z;
+  const std::array<cv::Vec3d, 2> by_point = {cv::Vec3d{camera.f_px / z, 0.0, -camera.f_px * r.at[0] / z2},
+                                             cv::Vec3d{0.0, camera.fy_px / z, -camera.fy_px * r.at[1] / z2}};
+  for (int axis = 0; axis < 2; ++axis) {
+    const cv::Vec3d& g = by_point[static_cast<std::size_t>(axis)];
+    const cv::Vec3d by_turn = r.turned.cross(g);  // d(w x p)/dw, contracted with g
+    const Vec6 j(by_turn[0], by_turn[1], by_turn[2], g[0], g[1], g[2]);
+    for (int i = 0; i < 6; ++i) {
+      b[i] += weight * j[i] * r.px[axis];
+      for (int k = 0; k < 6; ++k) a(i, k) += weight * j[i] * j[k];
+    }
+  }
+}
+
+/// One step of Gauss and Newton. @returns whether the equations could be solved
+bool step(const cv::Matx66d& a, const Vec6& b, CameraMotion& motion) {
+  bool solved = false;
+  const cv::Matx66d inverse = a.inv(cv::DECOMP_CHOLESKY, &solved);
+  if (!solved) return false;
+  const Vec6 d = inverse * b;
+  const cv::Matx33d small = turn({d[0], d[1], d[2]});
+  motion.rotation = small * motion.rotation;
+  motion.shift_m += cv::Vec3d(d[3], d[4], d[5]);
+  return std::isfinite(cv::norm(d));
+}
+
+std::optional<CameraMotion> motion_of_triple(std::span<const FollowedCorner> corners,
+                                             const std::array<std::size_t, 3>& triple, const Pinhole& camera,
+                                             CameraMotion motion) {
+  for (int iteration = 0; iteration < kTripleSteps; ++iteration) {
+    cv::Matx66d a;
+    Vec6 b;
+    for (const std::size_t i : triple) {
+      const Residual r = residual_of(corners[i], camera, motion);
+      if (!r.is_valid) return std::nullopt;
+      add_normal_equations(r, camera, 1.0, a, b);
+    }
+    if (!step(a, b, motion)) return std::nullopt;
+  }
+  return motion;
+}
+
+int count_agreeing(std::span<const FollowedCorner> corners, const Pinhole& camera, const CameraMotion& motion,
+                   double max_px) {
+  return static_cast<int>(std::count_if(corners.begin(), corners.end(), [&](const FollowedCorner& corner) {
+    const Residual r = residual_of(corner, camera, motion);
+    return r.is_valid && r.px.dot(r.px) < max_px * max_px;
+  }));
+}
+
+}  // namespace
+
+std::optional<PoseResult> solve_pose(std::span<const FollowedCorner> corners, const Pinhole& camera,
+                                     const CameraMotion& start, const EgoOptions& options, std::uint32_t frame) {
+  if (corners.size() < 3) return std::nullopt;
+  PoseResult best{start, {}, count_agreeing(corners, camera, start, options.max_residual_px)};
+  for (int h = 0; h < options.hypotheses; ++h) {
+    FlyRandom random(kSeed, 0, frame, static_cast<std::uint32_t>(h));
+    std::array<std::size_t, 3> triple{};
+    for (auto& i : triple) i = random.below(static_cast<std::uint32_t>(corners.size()));
+    if (triple[0] == triple[1] || triple[1] == triple[2] || triple[0] == triple[2]) continue;
+    const auto motion = motion_of_triple(corners, triple, camera, start);
+    if (!motion) continue;
+    const int agreeing = count_agreeing(corners, camera, *motion, options.max_residual_px);
+    if (agreeing > best.agreeing) best = {*motion, {}, agreeing};
+  }
+
+  // Tukey's biweight: corners beyond the limit do not pull at all.
+  double scatter_px2 = 0.0;
+  cv::Matx66d a;
+  for (int iteration = 0; iteration < kRefineSteps; ++iteration) {
+    a = {};
+    Vec6 b;
+    double weights = 0.0, squares = 0.0;
+    best.agreeing = 0;
+    for (const auto& corner : corners) {
+      const Residual r = residual_of(corner, camera, best.motion);
+      const double share = r.px.dot(r.px) / (options.max_residual_px * options.max_residual_px);
+      if (!r.is_valid || share >= 1.0) continue;
+      const double weight = (1.0 - share) * (1.0 - share);
+      add_normal_equations(r, camera, weight, a, b);
+      weights += weight;
+      squares += weight * r.px.dot(r.px);
+      ++best.agreeing;
+    }
+    scatter_px2 = squares / std::max(1.0, 2.0 * weights - 6.0);
+    if (!step(a, b, best.motion)) return std::nullopt;
+  }
+  bool solved = false;
+  best.covariance = a.inv(cv::DECOMP_CHOLESKY, &solved) * scatter_px2;
+  if (!solved) return std::nullopt;
+  return best;
+}
+
+}  // namespace flies::ego

@@ -1,0 +1,73 @@
+#include "flies/io/time_stamps.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <sstream>
+
+#include "flies/core/error.hpp"
+#include "flies/io/text_file.hpp"
+
+namespace flies {
+namespace {
+
+/// Seconds and, apart from them, their fraction: a double since 1970 would round to a tenth of a microsecond.
+struct Moment {
+  std::int64_t whole_s = 0;
+  double fraction_s = 0.0;
+};
+
+constexpr std::size_t kMaxBytes = 64u << 20;  // two million times
+
+std::optional<Moment> parse_moment(const std::string& text) {
+  int year = 0, month = 0, day = 0, hour = 0, minute = 0, end = -1;
+  if (std::sscanf(text.c_str(), "%4d-%2d-%2d %2d:%2d:%n", &year, &month, &day, &hour, &minute, &end) == 5 && end > 0) {
+    const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
+                                           std::chrono::day(static_cast<unsigned>(day))};
+    char* rest = nullptr;
+    const double second_s = std::strtod(text.c_str() + end, &rest);
+    if (!date.ok() || rest == text.c_str() + end || *rest != '\0' || hour < 0 || hour > 23 || minute < 0 ||
+        minute > 59 || !(second_s >= 0.0 && second_s < 61.0))
+      return std::nullopt;
+    const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
+    return Moment{((days * 24 + hour) * 60 + minute) * 60, second_s};
+  }
+  char* rest = nullptr;
+  const double seconds = std::strtod(text.c_str(), &rest);
+  constexpr double kMost_s = 1e15;  // still exact to a second as an integer
+  if (text.empty() || *rest != '\0' || !(std::abs(seconds) < kMost_s)) return std::nullopt;
+  const double whole = std::floor(seconds);
+  return Moment{static_cast<std::int64_t>(whole), seconds - whole};
+}
+
+}  // namespace
+
+std::vector<double> read_time_stamps(const std::string& path) {
+  std::istringstream lines(read_file(path, kMaxBytes));
+  std::vector<double> times_s;
+  std::optional<Moment> first;
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
+    if (line.empty()) continue;
+    const auto moment = parse_moment(line);
+    if (!moment)
+      throw InputError(path, fmt::format("line {}", number),
+                       fmt::format("found '{}', expected seconds or YYYY-MM-DD hh:mm:ss.fraction", line));
+    if (!first) first = moment;
+    const double time_s =
+        static_cast<double>(moment->whole_s - first->whole_s) + moment->fraction_s - first->fraction_s;
+    if (!times_s.empty() && !(time_s > times_s.back()))
+      throw InputError(path, fmt::format("line {}", number), fmt::format("found '{}', expected a later time", line));
+    times_s.push_back(time_s);
+  }
+  if (times_s.empty()) throw InputError(path, "", "holds no times");
+  return times_s;
+}
+
+}  // namespace flies

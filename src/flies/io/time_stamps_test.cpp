@@ -1,0 +1,42 @@
+#include "flies/io/time_stamps.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "flies/io/temporary_folder.hpp"
+
+namespace flies {
+namespace {
+
+using flies::testing::error_of;
+using flies::testing::TemporaryFolder;
+using ::testing::AllOf;
+using ::testing::DoubleNear;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(ReadTimeStamps, ReadsKittisAcrossMidnight) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(read_time_stamps(folder.write("t", "2011-09-26 23:59:59.950000000\r\n2011-09-27 00:00:00.050000001\n\n")),
+              ElementsAre(0.0, DoubleNear(0.100000001, 1e-12)));
+}
+
+TEST(ReadTimeStamps, ReadsSecondsAndKeepsTheirFraction) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(read_time_stamps(folder.write("t", "1317042272.349659964\n1317042272.459792166\n")),
+              ElementsAre(0.0, DoubleNear(0.110132202, 1e-6)));
+}
+
+TEST(ReadTimeStamps, NamesTheLineAtFault) {
+  const TemporaryFolder folder;
+  const auto fault = [&](const char* text) { return error_of([&] { read_time_stamps(folder.write("t", text)); }); };
+  EXPECT_THAT(fault("1.0\nsoon\n"), AllOf(HasSubstr("line 2"), HasSubstr("'soon'")));
+  EXPECT_THAT(fault("1.0\n1.0\n"), AllOf(HasSubstr("line 2"), HasSubstr("later")));
+  EXPECT_THAT(fault("2011-02-30 00:00:00.0\n"), HasSubstr("line 1"));
+  EXPECT_THAT(fault("2011-02-03 25:00:00.0\n"), HasSubstr("line 1"));
+  EXPECT_THAT(fault("nan\n"), HasSubstr("line 1"));
+  EXPECT_THAT(fault("\n\n"), HasSubstr("no times"));
+}
+
+}  // namespace
+}  // namespace flies

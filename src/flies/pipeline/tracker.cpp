@@ -1,0 +1,33 @@
+#include "flies/pipeline/tracker.hpp"
+
+#include <chrono>
+#include <utility>
+
+namespace flies {
+namespace {
+
+template <class Run>
+auto timed(double& elapsed_ms, const Run& run) {
+  const auto start = std::chrono::steady_clock::now();
+  auto result = run();
+  elapsed_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace
+
+Tracker::Tracker(const StereoCamera& camera, const DetectorOptions& detector, const TrackerOptions& options,
+                 std::shared_ptr<const PeopleClassifier> classifier)
+    : ego_(camera, options.ego), detector_(camera, detector, std::move(classifier)), keeper_(camera, options.track) {}
+
+Tracking Tracker::process(const RectifiedPair& pair, double time_s, const std::optional<EgoMotion>& measured) {
+  Tracking t;
+  t.time_s = time_s;
+  t.ego = timed(t.ego_ms, [&] { return measured ? *measured : ego_.follow(pair, time_s); });
+  t.detection = detector_.process(pair);
+  const auto sightings = sightings_of(t.detection.obstacles, t.detection.pedestrians);
+  t.tracks = timed(t.track_ms, [&] { return keeper_.step(t.ego, sightings); });
+  return t;
+}
+
+}  // namespace flies

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "flies/core/options.hpp"
+#include "flies/ego/ego_motion.hpp"
+#include "flies/pipeline/detector.hpp"
+#include "flies/track/tracks.hpp"
+
+namespace flies {
+
+/// What following adds to the options of a detector.
+struct TrackerOptions {
+  EgoOptions ego;
+  TrackOptions track;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& f) {
+    f("ego", self.ego);
+    f("track", self.track);
+  }
+};
+
+/// What is known after one pair of a sequence.
+struct Tracking {
+  double time_s = 0.0;
+  EgoMotion ego;
+  std::vector<Track> tracks;  ///< nearest first
+  Detection detection;        ///< of this pair alone
+  double ego_ms = 0.0, track_ms = 0.0;
+};
+
+/// Follows things through the pairs of one camera: ego-motion, detection, tracks. The n-th call is a function of the
+/// pairs and times so far, camera, options and classifier.
+class Tracker {
+ public:
+  /// @throws InputError when the camera or an option is out of range
+  explicit Tracker(const StereoCamera& camera, const DetectorOptions& detector = {}, const TrackerOptions& options = {},
+                   std::shared_ptr<const PeopleClassifier> classifier = default_people_classifier());
+
+  /// @param time_s   of the pair, later than that of the one before
+  /// @param measured the camera's motion where another sensor knows it; else it is estimated from the images
+  /// @throws InputError when the images do not fit the camera or time does not advance
+  Tracking process(const RectifiedPair& pair, double time_s, const std::optional<EgoMotion>& measured = std::nullopt);
+
+ private:
+  EgoEstimator ego_;
+  Detector detector_;
+  TrackKeeper keeper_;
+};
+
+}  // namespace flies

@@ -1,0 +1,195 @@
+#include "flies/track/tracks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "flies/track/assignment.hpp"
+
+namespace flies {
+namespace {
+
+constexpr double kMaxProbability = 0.98;  // nothing is ever so sure that it could not have gone
+constexpr double kMaxPersonLogOdds = 6.0;
+constexpr double kNoPersonLogOdds = -0.4;  // the classifier misses some: one silence says little
+constexpr double kMaxVerdict = 0.95;       // of one look at a person
+constexpr double kMinDepth_m = 1.0;
+constexpr double kMinPersonGap_m = 0.7, kPersonGapShare = 0.05;  // between a person and the obstacle he is
+constexpr double kMinHidden = 0.5;  // share of its width behind nearer things that hides a track
+constexpr double kHidingDistance_m = 1.0;
+constexpr double kSizeGain = 0.25;  // of the newest sighting in the size
+
+double logit(double p) { return std::log(p / (1.0 - p)); }
+
+/// Bearings that something covers, as y over x.
+std::pair<double, double> tangents(double x_m, double y_m, double width_m) {
+  const double range_m = std::max(std::hypot(x_m, y_m), kMinDepth_m), half = 0.5 * width_m / range_m;
+  return {y_m / x_m - half, y_m / x_m + half};
+}
+
+/// Share of the track's bearings behind nearer sightings.
+double hidden_share(const Track& track, std::span<const Sighting> sightings) {
+  const double range_m = std::hypot(track.state.x_m, track.state.y_m);
+  const auto [low, high] = tangents(track.state.x_m, track.state.y_m, std::max(track.width_m, 0.3));
+  double hidden = 0.0;
+  for (const auto& s : sightings) {
+    if (s.x_m < kMinDepth_m || std::hypot(s.x_m, s.y_m) > range_m - kHidingDistance_m) continue;
+    const auto [from, to] = tangents(s.x_m, s.y_m, s.width_m);
+    hidden += std::max(0.0, std::min(to, high) - std::max(from, low));
+  }
+  return hidden / (high - low);
+}
+
+}  // namespace
+
+std::vector<Sighting> sightings_of(std::span<const Obstacle> obstacles, std::span<const Pedestrian> people) {
+  std::vector<Sighting> sightings;
+  for (const auto& o : obstacles) sightings.push_back({o.x_m, o.y_m, o.width_m, o.height_m, o.box, std::nullopt});
+  const std::size_t count = sightings.size();
+  for (const auto& person : people) {
+    double nearest_m = kMinPersonGap_m + kPersonGapShare * person.range_m;
+    Sighting* own = nullptr;
+    for (std::size_t i = 0; i < count; ++i) {
+      Sighting& s = sightings[i];
+      const double gap_m = std::hypot(s.x_m - person.x_m, s.y_m - person.y_m);
+      if (s.person_probability || gap_m >= nearest_m) continue;
+      nearest_m = gap_m;
+      own = &s;
+    }
+    if (own != nullptr) {
+      own->person_probability = person.probability;
+      own->box = person.box;
+    } else {
+      constexpr double kShoulders_m = 0.5;
+      sightings.push_back({person.x_m, person.y_m, kShoulders_m, person.height_m, person.box, person.probability});
+    }
+  }
+  return sightings;
+}
+
+TrackKeeper::TrackKeeper(const StereoCamera& camera, const TrackOptions& options)
+    : camera_(camera), projection_(camera), options_(options) {
+  check_camera(camera_, "camera");
+  check_options(options_, "options");
+}
+
+/// Along the line of sight the error of a disparity grows with the square of range; across it is that of a box's edge.
+GroundPosition TrackKeeper::measured(const Sighting& s) const {
+  const double range_m = std::max(std::hypot(s.x_m, s.y_m), kMinDepth_m);
+  const double along = std::hypot(options_.along_sd_m,
+                                  range_m * range_m * options_.disparity_sd_px / (camera_.fx_px * camera_.baseline_m));
+  const double across = std::hypot(options_.across_sd_m, options_.across_sd_share * s.width_m, range_m / camera_.fx_px);
+  const double c = s.x_m / range_m, n = s.y_m / range_m, a2 = along * along, b2 = across * across;
+  return {s.x_m, s.y_m, {{{c * c * a2 + n * n * b2, c * n * (a2 - b2)}, {c * n * (a2 - b2), n * n * a2 + c * c * b2}}}};
+}
+
+bool TrackKeeper::is_in_view(const GroundState& state) const {
+  if (!(state.x_m > kMinDepth_m)) return false;
+  if (camera_.width_px == 0) return true;
+  const double u_px = camera_.cx_px - camera_.fx_px * state.y_m / state.x_m;
+  return u_px >= 0.0 && u_px < camera_.width_px;
+}
+
+ImageBox TrackKeeper::predicted_box(const Track& track) const {
+  const StereoPoint foot = projection_.project({track.state.x_m, track.state.y_m, 0.0});
+  const StereoPoint head = projection_.project({track.state.x_m, track.state.y_m, track.height_m});
+  const double width_px = track.width_m * camera_.fx_px / std::max(track.state.x_m, kMinDepth_m);
+  return {foot.u_px - width_px / 2, head.v_px, width_px, foot.v_px - head.v_px};
+}
+
+void TrackKeeper::predict_all(const EgoMotion& ego) {
+  for (auto& track : tracks_) {
+    track.state = predict(track.state, ego, options_.acceleration_mps2);
+    track.age_s += ego.dt_s;
+    track.unseen_s += ego.dt_s;
+  }
+  std::erase_if(tracks_, [&](const Track& t) { return !is_in_view(t.state) || t.unseen_s > options_.max_coast_s; });
+}
+
+void TrackKeeper::see(Track& track, const Sighting& sighting) const {
+  track.state = update(track.state, measured(sighting));
+  const double odds = track.probability / (1.0 - track.probability) * options_.seen_odds;
+  track.probability = std::min(kMaxProbability, odds / (1.0 + odds));
+  const double verdict = sighting.person_probability
+                             ? logit(std::clamp(*sighting.person_probability, 1.0 - kMaxVerdict, kMaxVerdict))
+                             : kNoPersonLogOdds;
+  track.person_log_odds = std::clamp(track.person_log_odds + verdict, -kMaxPersonLogOdds, kMaxPersonLogOdds);
+  track.width_m += kSizeGain * (sighting.width_m - track.width_m);
+  track.height_m += kSizeGain * (sighting.height_m - track.height_m);
+  track.box = sighting.box;
+  track.unseen_s = 0.0;
+  ++track.sightings;
+}
+
+void TrackKeeper::miss(Track& track, std::span<const Sighting> sightings) const {
+  const bool is_hidden = hidden_share(track, sightings) >= kMinHidden;
+  const double seen = is_hidden ? options_.hidden_detection_probability : options_.detection_probability;
+  track.probability = track.probability * (1.0 - seen) / (1.0 - track.probability * seen);
+  track.box = predicted_box(track);
+}
+
+Track TrackKeeper::start(const Sighting& s) {
+  Track track;
+  track.id = next_id_++;
+  track.probability = options_.first_probability;
+  const GroundPosition position = measured(s);
+  track.state.x_m = position.x_m;
+  track.state.y_m = position.y_m;
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t j = 0; j < 2; ++j) track.state.covariance[i][j] = position.covariance[i][j];
+    track.state.covariance[i + 2][i + 2] = options_.start_speed_mps * options_.start_speed_mps;
+  }
+  track.person_log_odds = s.person_probability
+                              ? logit(std::clamp(*s.person_probability, 1.0 - kMaxVerdict, kMaxVerdict))
+                              : kNoPersonLogOdds;
+  track.width_m = s.width_m;
+  track.height_m = s.height_m;
+  track.box = s.box;
+  track.sightings = 1;
+  return track;
+}
+
+std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sighting> sightings) {
+  if (!ego.is_known) tracks_.clear();
+  predict_all(ego);
+
+  std::vector<double> costs(tracks_.size() * sightings.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> alone_costs(tracks_.size(), 0.0);
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    for (std::size_t j = 0; j < sightings.size(); ++j) {
+      const Innovation found = innovation(tracks_[i].state, measured(sightings[j]));
+      if (found.squared_distance >= options_.gate) continue;
+      // A new track's covariance is wide: the determinant keeps it from taking the sightings of old ones.
+      costs[i * sightings.size() + j] = found.squared_distance + found.log_determinant;
+      alone_costs[i] = options_.gate + found.log_determinant;
+    }
+  }
+  const auto assigned = assign_optimally(costs, tracks_.size(), sightings.size(), alone_costs);
+
+  std::vector<bool> taken(sightings.size(), false);
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (assigned[i] < 0) {
+      miss(tracks_[i], sightings);
+      continue;
+    }
+    const auto j = static_cast<std::size_t>(assigned[i]);
+    taken[j] = true;
+    see(tracks_[i], sightings[j]);
+  }
+  std::erase_if(tracks_, [&](const Track& t) { return t.probability < options_.min_probability; });
+  for (std::size_t j = 0; j < sightings.size(); ++j)
+    if (!taken[j]) tracks_.push_back(start(sightings[j]));
+
+  for (auto& track : tracks_) {
+    track.kind = track.person_log_odds > 0.0 ? TrackClass::person : TrackClass::other;
+    track.velocity = likely_velocity(track.state, options_.moving_prior, options_.start_speed_mps);
+  }
+  std::vector<Track> reported = tracks_;
+  std::stable_sort(reported.begin(), reported.end(), [](const Track& a, const Track& b) {
+    return std::hypot(a.state.x_m, a.state.y_m) < std::hypot(b.state.x_m, b.state.y_m);
+  });
+  return reported;
+}
+
+}  // namespace flies

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "flies/core/options.hpp"
+#include "flies/core/results.hpp"
+#include "flies/core/stereo_camera.hpp"
+#include "flies/ego/ego_motion.hpp"
+#include "flies/track/kalman.hpp"
+
+namespace flies {
+
+struct TrackOptions {
+  double disparity_sd_px = 0.7;
+  double along_sd_m = 0.15;
+  double across_sd_m = 0.1;
+  double across_sd_share = 0.12;
+  double acceleration_mps2 = 1.5;
+  double start_speed_mps = 5.0;
+  double moving_prior = 0.15;
+  double gate = 13.8;
+  double first_probability = 0.7;
+  double seen_odds = 10.0;
+  double detection_probability = 0.8;
+  double hidden_detection_probability = 0.1;
+  double min_probability = 0.3;
+  double max_coast_s = 2.0;
+
+  template <class Self, class Field>
+  static void fields(Self& self, Field&& field) {
+    field("disparity_sd_px", self.disparity_sd_px, Range{0.01, 10}, "of an obstacle's disparity: its range follows");
+    field("along_sd_m", self.along_sd_m, Range{0.01, 5}, "of an obstacle's range, beside that of its disparity");
+    field("across_sd_m", self.across_sd_m, Range{0.01, 5}, "of its middle across the line of sight");
+    field("across_sd_share", self.across_sd_share, Range{0, 1}, "the same, in parts of its width");
+    field("acceleration_mps2", self.acceleration_mps2, Range{0.01, 50}, "standard deviation of what things do");
+    field("start_speed_mps", self.start_speed_mps, Range{0.1, 50}, "standard deviation of a new thing's velocity");
+    field("moving_prior", self.moving_prior, Range{0.001, 0.999}, "share of things that move");
+    field("gate", self.gate, Range{1, 100}, "squared Mahalanobis distance at which a sighting is another thing's");
+    field("first_probability", self.first_probability, Range{0.01, 0.98}, "that a thing seen once exists");
+    field("seen_odds", self.seen_odds, Range{1, 1000}, "what seeing it again multiplies the odds by");
+    field("detection_probability", self.detection_probability, Range{0.01, 0.99}, "that a thing in view is seen");
+    field("hidden_detection_probability", self.hidden_detection_probability, Range{0.0, 0.99},
+          "the same behind something nearer");
+    field("min_probability", self.min_probability, Range{0.0, 0.98}, "less likely tracks are not reported");
+    field("max_coast_s", self.max_coast_s, Range{0, 60}, "a track unseen for longer ends");
+  }
+};
+
+/// What a detector saw of one thing.
+struct Sighting {
+  double x_m = 0.0, y_m = 0.0;
+  double width_m = 0.0, height_m = 0.0;
+  ImageBox box;
+  std::optional<double> person_probability;  ///< of the classifier; none: it did not call it a person
+};
+
+/// Obstacles and people of one pair as sightings: a person belongs to the obstacle where he stands, or is one himself.
+std::vector<Sighting> sightings_of(std::span<const Obstacle> obstacles, std::span<const Pedestrian> people);
+
+enum class TrackClass { other, person };
+template <>
+struct EnumNames<TrackClass> {
+  static constexpr std::array<std::string_view, 2> names = {"other", "person"};
+};
+
+/// A thing followed over time.
+struct Track {
+  std::uint64_t id = 0;  ///< counts from 1, never given twice
+  TrackClass kind = TrackClass::other;
+  double person_log_odds = 0.0;  ///< evidence of all pairs
+  double probability = 0.0;      ///< that it exists
+  GroundState state;             ///< vehicle frame of now; covariance before the question whether it moves
+  LikelyVelocity velocity;       ///< over ground, as reported
+  double width_m = 0.0, height_m = 0.0;
+  double age_s = 0.0;     ///< since it was first seen
+  double unseen_s = 0.0;  ///< since it was last seen; 0: in this pair
+  int sightings = 0;
+  ImageBox box;  ///< in the left image; of the sighting, or where it should be
+};
+
+/// Follows things from pair to pair: constant velocity over ground, optimal assignment, a probability that each exists.
+/// Tracks that nobody sees coast on; behind something nearer they do so for long. When the camera's motion is lost
+/// (also at a cut) all tracks end, because nothing says where they went.
+class TrackKeeper {
+ public:
+  /// @throws InputError when the camera or an option is out of range
+  explicit TrackKeeper(const StereoCamera& camera, const TrackOptions& options = {});
+
+  /// @param ego      the motion since the call before; unknown at the first
+  /// @param sightings vehicle frame of now
+  /// @returns the tracks to report, nearest first
+  std::vector<Track> step(const EgoMotion& ego, std::span<const Sighting> sightings);
+
+ private:
+  GroundPosition measured(const Sighting& sighting) const;
+  void predict_all(const EgoMotion& ego);
+  bool is_in_view(const GroundState& state) const;
+  ImageBox predicted_box(const Track& track) const;
+  void see(Track& track, const Sighting& sighting) const;
+  void miss(Track& track, std::span<const Sighting> sightings) const;
+  Track start(const Sighting& sighting);
+
+  StereoCamera camera_;
+  Projection projection_;
+  TrackOptions options_;
+  std::vector<Track> tracks_;
+  std::uint64_t next_id_ = 1;
+};
+
+}  // namespace flies

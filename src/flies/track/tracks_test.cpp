@@ -1,0 +1,257 @@
+#include "flies/track/tracks.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "flies/core/error.hpp"
+#include "flies/core/random.hpp"
+#include "flies/track/assignment.hpp"
+
+namespace flies {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr double kDt_s = 0.1;
+constexpr double kForbidden = std::numeric_limits<double>::infinity();
+
+StereoCamera camera() {
+  return {.fx_px = 720,
+          .fy_px = 720,
+          .cx_px = 620,
+          .cx_right_px = 620,
+          .cy_px = 180,
+          .baseline_m = 0.54,
+          .width_px = 1242,
+          .height_px = 375,
+          .mount = {.height_m = 1.65}};
+}
+
+Sighting at(double x_m, double y_m, double width_m = 0.6) { return {x_m, y_m, width_m, 1.7, {}, std::nullopt}; }
+EgoMotion standing() { return given_ego_motion(kDt_s, 0.0, 0.0, 0.0); }
+
+TEST(AssignOptimally, TakesTheLeastSumNotTheLeastPair) {
+  // The cheapest pair (0, 0) would leave row 1 with 9.
+  EXPECT_THAT(assign_optimally(std::vector<double>{1, 2, 2, 9}, 2, 2, std::vector<double>{20, 20}), ElementsAre(1, 0));
+}
+
+TEST(AssignOptimally, LeavesARowAloneWhereThatIsCheaper) {
+  EXPECT_THAT(assign_optimally(std::vector<double>{1, 8}, 2, 1, std::vector<double>{5, 5}), ElementsAre(0, -1));
+  EXPECT_THAT(assign_optimally(std::vector<double>{kForbidden, kForbidden}, 1, 2, std::vector<double>{5}),
+              ElementsAre(-1));
+  EXPECT_THAT(assign_optimally({}, 2, 0, std::vector<double>{5, 5}), ElementsAre(-1, -1));
+  EXPECT_TRUE(assign_optimally({}, 0, 3, {}).empty());
+}
+
+TEST(AssignOptimally, IsAsGoodAsTryingEverything) {
+  for (std::uint32_t trial = 0; trial < 200; ++trial) {
+    constexpr std::size_t kRows = 4, kColumns = 5;
+    FlyRandom random(9, 0, trial, 0);
+    std::vector<double> costs(kRows * kColumns), alone(kRows);
+    for (auto& c : costs) c = random.uniform() < 0.2 ? kForbidden : random.uniform(-5, 10);
+    for (auto& a : alone) a = random.uniform(0, 8);
+    const auto price = [&](const std::vector<int>& columns) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < kRows; ++i)
+        sum += columns[i] < 0 ? alone[i] : costs[i * kColumns + static_cast<std::size_t>(columns[i])];
+      return sum;
+    };
+    double least = kForbidden;
+    std::vector<int> choice(kRows);
+    const auto try_all = [&](auto&& self, std::size_t row) -> void {
+      if (row == kRows) {
+        least = std::min(least, price(choice));
+        return;
+      }
+      for (int column = -1; column < static_cast<int>(kColumns); ++column) {
+        if (column >= 0 && std::count(choice.begin(), choice.begin() + static_cast<std::ptrdiff_t>(row), column) > 0)
+          continue;
+        choice[row] = column;
+        self(self, row + 1);
+      }
+    };
+    try_all(try_all, 0);
+    EXPECT_NEAR(price(assign_optimally(costs, kRows, kColumns, alone)), least, 1e-9) << trial;
+  }
+}
+
+TEST(Predict, KeepsStandingThingsStandingWhileTheCameraTurns) {
+  GroundState state{.x_m = 10, .y_m = 2};
+  for (int i = 0; i < 10; ++i) state = predict(state, given_ego_motion(kDt_s, 5.0, 0.0, 0.3), 1.0);
+  EXPECT_EQ(state.vx_mps, 0.0);
+  // An arc of 5 m with 0.3 rad: the way of the origin, then the turn.
+  const double radius = 5.0 / 0.3, dx = 10 - radius * std::sin(0.3), dy = 2 - radius * (1 - std::cos(0.3));
+  EXPECT_NEAR(state.x_m, std::cos(0.3) * dx + std::sin(0.3) * dy, 0.01);
+  EXPECT_NEAR(state.y_m, -std::sin(0.3) * dx + std::cos(0.3) * dy, 0.01);
+}
+
+TEST(Predict, TakesOverWhatIsNotKnownOfTheCamera) {
+  const GroundState state{.x_m = 10, .y_m = 0};
+  const auto sure = predict(state, given_ego_motion(kDt_s, 5, 0, 0), 0.01);
+  const auto unsure = predict(state, given_ego_motion(kDt_s, 5, 0, 0, {2.0, 0.0, 0.5}), 0.01);
+  EXPECT_NEAR(unsure.covariance[0][0] - sure.covariance[0][0], 0.2 * 0.2, 1e-9);      // 2 m/s for 0.1 s
+  EXPECT_NEAR(unsure.covariance[1][1] - sure.covariance[1][1], 0.475 * 0.475, 1e-9);  // 0.05 rad at 9.5 m
+}
+
+// Simulated as the filter assumes: the normalised squared error of four numbers is 4 on average.
+TEST(Kalman, ItsCovarianceHasTheSizeOfItsErrors) {
+  constexpr int kTrials = 300, kSteps = 15;
+  const Covariance2 noise = {{{0.09, 0.0}, {0.0, 0.01}}};
+  double distance = 0.0;
+  for (std::uint32_t trial = 0; trial < kTrials; ++trial) {
+    FlyRandom random(4, 0, trial, 0);
+    GroundState truth{.x_m = 15, .y_m = 0, .vx_mps = 5 * random.normal(), .vy_mps = 5 * random.normal()};
+    GroundState state;
+    for (int step = 0; step < kSteps; ++step) {
+      const GroundPosition measured{truth.x_m + 0.3 * random.normal(), truth.y_m + 0.1 * random.normal(), noise};
+      if (step == 0) {
+        state = {.x_m = measured.x_m, .y_m = measured.y_m};
+        state.covariance[0][0] = 0.09;
+        state.covariance[1][1] = 0.01;
+        state.covariance[2][2] = state.covariance[3][3] = 25.0;
+      } else {
+        state = update(state, measured);
+      }
+      if (step + 1 == kSteps) break;
+      const double ax = random.normal(), ay = random.normal();
+      truth.x_m += truth.vx_mps * kDt_s + 0.5 * ax * kDt_s * kDt_s;
+      truth.y_m += truth.vy_mps * kDt_s + 0.5 * ay * kDt_s * kDt_s;
+      truth.vx_mps += ax * kDt_s;
+      truth.vy_mps += ay * kDt_s;
+      state = predict(state, standing(), 1.0);
+    }
+    // x and y are independent here: two blocks of two.
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const auto& p = state.covariance;
+      const double e = axis == 0 ? state.x_m - truth.x_m : state.y_m - truth.y_m;
+      const double ev = axis == 0 ? state.vx_mps - truth.vx_mps : state.vy_mps - truth.vy_mps;
+      const double a = p[axis][axis], b = p[axis][axis + 2], c = p[axis + 2][axis + 2];
+      distance += (c * e * e - 2 * b * e * ev + a * ev * ev) / (a * c - b * b);
+    }
+  }
+  EXPECT_NEAR(distance / kTrials, 4.0, 0.6);  // standard error sqrt(8/300) = 0.16
+}
+
+TEST(LikelyVelocity, TellsNoiseFromMotion) {
+  GroundState state{.x_m = 10, .y_m = 0, .vx_mps = 1.0, .vy_mps = 0.0};
+  state.covariance[2][2] = state.covariance[3][3] = 1.0;
+  const auto noise = likely_velocity(state, 0.15, 5.0);
+  EXPECT_LT(noise.moving_probability, 0.1);
+  EXPECT_LT(noise.vx_mps, 0.1);
+  state.covariance[2][2] = state.covariance[3][3] = 0.02;
+  const auto motion = likely_velocity(state, 0.15, 5.0);
+  EXPECT_GT(motion.moving_probability, 0.99);
+  EXPECT_NEAR(motion.vx_mps, 1.0, 0.01);
+}
+
+TEST(SightingsOf, JoinsAPersonWithHisObstacle) {
+  std::vector<Obstacle> obstacles(2);
+  obstacles[0].x_m = obstacles[1].x_m = 10;
+  obstacles[1].y_m = 3;
+  std::vector<Pedestrian> people(2);
+  people[0].x_m = 10.3;
+  people[0].y_m = 3.1;
+  people[0].probability = 0.9;
+  people[1].x_m = 20;
+  people[1].probability = 0.8;
+  const auto sightings = sightings_of(obstacles, people);
+  ASSERT_EQ(sightings.size(), 3U);
+  EXPECT_FALSE(sightings[0].person_probability);
+  EXPECT_EQ(sightings[1].person_probability, 0.9);
+  EXPECT_EQ(sightings[2].x_m, 20);
+}
+
+TEST(TrackKeeper, FollowsAWalkerAcrossAndKnowsHisVelocity) {
+  TrackKeeper keeper(camera());
+  std::vector<Track> tracks;
+  for (int i = 0; i < 15; ++i) {
+    FlyRandom random(2, 0, 0, static_cast<std::uint32_t>(i));
+    auto person = at(10 + 0.05 * random.normal(), -2 + 1.5 * kDt_s * i + 0.05 * random.normal());
+    person.person_probability = 0.9;
+    tracks = keeper.step(standing(), std::vector<Sighting>{person, at(20, 5)});
+    ASSERT_EQ(tracks.size(), 2U) << i;
+    EXPECT_EQ(tracks[0].id, 1U);
+  }
+  EXPECT_NEAR(tracks[0].velocity.vy_mps, 1.5, 0.3);
+  EXPECT_NEAR(tracks[0].velocity.vx_mps, 0.0, 0.4);
+  EXPECT_EQ(tracks[0].kind, TrackClass::person);
+  EXPECT_EQ(tracks[1].kind, TrackClass::other);
+  EXPECT_LT(std::hypot(tracks[1].velocity.vx_mps, tracks[1].velocity.vy_mps), 0.1);
+  EXPECT_NEAR(tracks[0].age_s, 1.4, 1e-9);
+}
+
+TEST(TrackKeeper, ReportsInAllOfFivePairsWhatIsSeenInThree) {
+  for (const auto& seen : {std::vector<int>{1, 1, 0, 0, 1}, std::vector<int>{1, 0, 1, 0, 1},
+                           std::vector<int>{1, 1, 0, 1, 0}, std::vector<int>{1, 1, 1, 0, 0}}) {
+    TrackKeeper keeper(camera());
+    for (const int is_seen : seen) {
+      const auto tracks = keeper.step(standing(), is_seen ? std::vector{at(10, 0)} : std::vector<Sighting>{});
+      ASSERT_EQ(tracks.size(), 1U);
+      EXPECT_EQ(tracks[0].id, 1U);
+    }
+  }
+}
+
+TEST(TrackKeeper, ForgetsWithinThreePairsWhatIsGone) {
+  TrackKeeper keeper(camera());
+  for (int i = 0; i < 30; ++i) keeper.step(standing(), std::vector{at(10, 0)});
+  keeper.step(standing(), {});
+  keeper.step(standing(), {});
+  EXPECT_TRUE(keeper.step(standing(), {}).empty());
+}
+
+TEST(TrackKeeper, CoastsBehindSomethingNearerAndComesBackWithItsIdentity) {
+  TrackKeeper keeper(camera());
+  std::vector<Track> tracks;
+  for (int i = 0; i < 30; ++i) {
+    const double y_m = -3 + 2.0 * kDt_s * i;  // behind a car 8 m ahead for 10 pairs
+    std::vector<Sighting> sightings = {at(8, 0, 1.6)};
+    if (std::abs(y_m) >= 1.0) sightings.push_back(at(12, y_m));
+    tracks = keeper.step(standing(), sightings);
+    ASSERT_EQ(tracks.size(), 2U) << i;
+    EXPECT_EQ(tracks[1].id, 2U) << i;
+  }
+}
+
+TEST(TrackKeeper, EndsAllTracksWhenTheCameraIsLost) {
+  TrackKeeper keeper(camera());
+  keeper.step(standing(), std::vector{at(10, 0), at(15, 3)});
+  const auto tracks = keeper.step({}, std::vector{at(10, 0)});
+  ASSERT_EQ(tracks.size(), 1U);
+  EXPECT_EQ(tracks[0].id, 3U);
+}
+
+TEST(TrackKeeper, EndsTracksThatLeaveTheView) {
+  TrackKeeper keeper(camera());
+  keeper.step(standing(), std::vector{at(3, 2)});
+  EXPECT_TRUE(keeper.step(given_ego_motion(kDt_s, 12.0, 0.0, 0.0), {}).empty());
+}
+
+TEST(TrackKeeper, KeepsTwoThatCrossApart) {
+  TrackKeeper keeper(camera());
+  std::vector<Track> tracks;
+  for (int i = 0; i < 40; ++i) {
+    const double way_m = 1.5 * kDt_s * i;
+    tracks = keeper.step(standing(), std::vector{at(10, -3 + way_m), at(11.2, 3 - way_m)});
+    ASSERT_EQ(tracks.size(), 2U) << i;
+  }
+  EXPECT_EQ(tracks[0].id, 1U);
+  EXPECT_GT(tracks[0].state.y_m, 2.0);
+}
+
+TEST(TrackKeeper, RefusesOptionsOutOfRange) {
+  TrackOptions options;
+  options.gate = 0.0;
+  EXPECT_THAT([&] { TrackKeeper(camera(), options); }, ThrowsMessage<InputError>(HasSubstr("gate")));
+}
+
+}  // namespace
+}  // namespace flies

@@ -1,0 +1,89 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "run_flies.hpp"
+#include "street_pair.hpp"
+
+namespace fs = std::filesystem;
+
+namespace flies::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using Words = std::vector<std::string>;
+
+/// A camera that stands before a street for three pairs.
+struct TrackCommand : ::testing::Test {
+  TrackCommand() {
+    write_street(folder.path());
+    for (const char* side : {"left", "right"}) {
+      fs::create_directory(folder.path() / side);
+      for (int i = 0; i < 3; ++i)
+        fs::copy_file(folder.path() / (std::string(side) + ".png"),
+                      folder.path() / side / (std::to_string(i) + ".png"));
+    }
+  }
+  RunResult run(const Words& more) const {
+    Words words = {"track", "left", "right", "--camera-height", "1.65", "--camera-pitch", "0"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_flies(folder.path(), words);
+  }
+  TestFolder folder;
+};
+
+TEST_F(TrackCommand, WritesALineAPairWithTimeEgoAndTracks) {
+  const RunResult result = run({"--calib", "calib.txt", "--rate", "20", "--json", "-"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto text = lines(result.out);
+  ASSERT_EQ(text.size(), 3U);
+  const json last = json::parse(text[2]);
+  EXPECT_NEAR(last.at("time_s").get<double>(), 0.1, 1e-9);
+  EXPECT_TRUE(last.at("ego").at("is_known").is_boolean());
+  EXPECT_FALSE(json::parse(text[0]).at("ego").at("is_known").get<bool>());
+  EXPECT_TRUE(last.at("obstacles").is_array());
+  ASSERT_FALSE(last.at("tracks").empty());
+  for (const auto& track : last.at("tracks")) {
+    EXPECT_GE(track.at("id").get<int>(), 1);
+    for (const char* key : {"probability", "x_m", "y_m", "range_m", "vx_mps", "vy_mps", "width_m", "height_m", "age_s"})
+      EXPECT_TRUE(track.at(key).is_number()) << key;
+    EXPECT_TRUE(track.at("class") == "person" || track.at("class") == "other");
+    EXPECT_TRUE(track.at("box").at("u_px").is_number());
+  }
+}
+
+TEST_F(TrackCommand, TakesTimesFromAFile) {
+  write_text(folder.path() / "times.txt", "5.0\n5.5\n7.25\n");
+  const RunResult result = run({"--calib", "calib.txt", "--times", "times.txt", "--json", "-"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NEAR(json::parse(lines(result.out)[2]).at("time_s").get<double>(), 2.25, 1e-9);
+}
+
+TEST_F(TrackCommand, WritesKittisTrackingFormat) {
+  const RunResult result = run({"--calib", "calib.txt", "--rate", "10", "--kitti", "tracks.txt"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto text = lines(read_text(folder.path() / "tracks.txt"));
+  ASSERT_FALSE(text.empty());
+  for (const auto& line : text) EXPECT_EQ(std::count(line.begin(), line.end(), ' '), 17) << line;
+}
+
+TEST_F(TrackCommand, NamesWhatIsMissing) {
+  EXPECT_THAT(run({"--rate", "10"}).err, HasSubstr("--calib"));
+  write_text(folder.path() / "times.txt", "0\n1\n");
+  const RunResult few = run({"--calib", "calib.txt", "--times", "times.txt"});
+  EXPECT_EQ(few.status, 2);
+  EXPECT_THAT(few.err, HasSubstr("holds 2 times, expected 3"));
+  const RunResult no_drive = run_flies(folder.path(), {"track", "left"});
+  EXPECT_EQ(no_drive.status, 2);
+  EXPECT_THAT(no_drive.err, HasSubstr("no KITTI raw drive"));
+}
+
+}  // namespace
+}  // namespace flies::testing
