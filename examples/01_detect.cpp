@@ -2,7 +2,7 @@
 //
 //   01_detect LEFT RIGHT CALIB      e.g. left.png right.png calib.yaml
 //
-// 02_stages.cpp takes the call apart, 03_own_options.cpp changes its settings.
+// 02_stages.cpp takes the call apart, 03_own_options.cpp changes its settings, 04_scan.cpp reads the scan.
 #include <cstdio>
 
 #include "flies/core/error.hpp"

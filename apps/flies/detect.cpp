@@ -186,8 +186,8 @@ void add_output_options(CLI::App& command, DetectOutputs& outputs) {
   add("--csv", outputs.csv, "one line an obstacle or pedestrian; - is standard output", "FILE");
   add("--scan", outputs.scan, "one line a sector of the scan; - is standard output", "FILE");
   add("--ply", outputs.ply, "flies as a point cloud, coloured by fitness", "FILE");
-  add("--overlay", outputs.overlay, "boxes and ranges on the left image", "PNG");
-  add("--top-view", outputs.top_view, "bird's-eye view with a grid in metres", "PNG");
+  add("--overlay", outputs.overlay, "boxes and ranges on the left image, free road in green", "PNG");
+  add("--top-view", outputs.top_view, "bird's-eye view of obstacles and free ground, in metres", "PNG");
   add("--flies", outputs.flies, "random flies coloured by fitness, Eq. (1) and Eq. (2)", "PNG");
   add("--histogram", outputs.histogram, "view-angle of the nearest pedestrian, else obstacle: fitness over x", "PNG");
   add("--concentrating", outputs.concentrating, "sample points, objects kept, boxes to classify", "PNG");

@@ -75,12 +75,17 @@ cv::Mat ProcessedFrame::left() const {
 }
 
 cv::Mat overlay_picture(const ProcessedFrame& frame) {
-  return flies::draw_overlay(frame.left(), frame.detection->obstacles, frame.detection->pedestrians);
+  const flies::Detection& detection = *frame.detection;
+  return flies::draw_overlay(frame.left(), detection.obstacles, detection.pedestrians,
+                             {detection.scan, frame.camera, detection.road.plane});
 }
 
 cv::Mat top_view_picture(const ProcessedFrame& frame) {
-  return flies::draw_top_view(frame.camera, frame.detection->evolved.flies, frame.detection->obstacles,
-                              frame.detection->pedestrians, top_view(frame, 800));
+  const flies::Detection& detection = *frame.detection;
+  // The scan says what the flies saw; both at once are hard to read. --flies and --ply have the flies.
+  const flies::Population shown = detection.scan.empty() ? detection.evolved.flies : flies::Population{};
+  return flies::draw_top_view(frame.camera, shown, detection.obstacles, detection.pedestrians, top_view(frame, 800),
+                              detection.scan);
 }
 
 cv::Mat concentrating_picture(const ProcessedFrame& frame) {

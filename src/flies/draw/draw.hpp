@@ -9,6 +9,8 @@
 #include "flies/concentrate/concentrate.hpp"
 #include "flies/core/fly.hpp"
 #include "flies/core/results.hpp"
+#include "flies/core/road.hpp"
+#include "flies/core/scan.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/propose/propose.hpp"
 
@@ -29,15 +31,24 @@ struct TopView {
 cv::Scalar range_color(double range_m);
 inline const cv::Scalar kPedestrianColor{255, 0, 255};
 
-/// Boxes of the obstacles, coloured by range and labelled with it, and of the pedestrians.
+/// A scan and what it takes to find its ground in the left image. An empty scan draws nothing.
+struct RoadScan {
+  Scan scan;
+  StereoCamera camera;
+  RoadPlane road;
+};
+
+/// Boxes of the obstacles, coloured by range and labelled with it, and of the pedestrians. The road that was seen free
+/// (`free_space`) is tinted green; where the scan cannot tell, it is hatched in grey up to 10 m away.
 cv::Mat draw_overlay(const cv::Mat& left, const std::vector<Obstacle>& obstacles,
-                     const std::vector<Pedestrian>& pedestrians);
+                     const std::vector<Pedestrian>& pedestrians, const RoadScan& scanned = {});
 
 /// Bird's-eye view: x up, y to the left, a grid every 5 m. Obstacles are bars of their width across the line of
-/// sight, pedestrians discs, flies faint dots coloured by fitness.
+/// sight, pedestrians discs, flies faint dots coloured by fitness. Of the scan: free ground green, a dark line where an
+/// obstacle ends a sector, unknown sectors hatched up to 10 m away.
 /// @param camera its `width_px` gives the field of view; 0 leaves the wedge out
 cv::Mat draw_top_view(const StereoCamera& camera, const Population& flies, const std::vector<Obstacle>& obstacles,
-                      const std::vector<Pedestrian>& pedestrians, const TopView& view = {});
+                      const std::vector<Pedestrian>& pedestrians, const TopView& view = {}, const Scan& scan = {});
 
 /// The flies on the left image, coloured by fitness (paper, figure 2a), with a colour bar.
 cv::Mat draw_flies(const cv::Mat& left, const Population& flies, const StereoCamera& camera,

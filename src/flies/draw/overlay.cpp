@@ -6,6 +6,7 @@
 
 #include "flies/draw/draw.hpp"
 #include "flies/draw/paint.hpp"
+#include "flies/draw/scan_paint.hpp"
 
 namespace flies {
 namespace {
@@ -15,9 +16,12 @@ using namespace paint;
 constexpr int kStripHeight_px = 34;
 /// Room for the legends.
 constexpr int kOverlayMinWidth_px = 470;
+constexpr int kScannedMinWidth_px = 710;
 constexpr int kConcentratingMinWidth_px = 580;
 
-void put_overlay_legend(cv::Mat& canvas, int top) {
+const cv::Scalar kRoadGray{90, 90, 90};
+
+void put_overlay_legend(cv::Mat& canvas, int top, bool has_scan) {
   constexpr int kBarWidth_px = 160;
   constexpr double kLast_m = 40.0;
   const int baseline = top + 14;
@@ -31,6 +35,16 @@ void put_overlay_legend(cv::Mat& canvas, int top) {
   }
   cv::rectangle(canvas, cv::Rect(320, top + 4, 9, 18), kPedestrianColor, 2);
   put_text(canvas, "pedestrian, range", {338, baseline + 3}, kWhite);
+  if (!has_scan) return;
+  // The samples lie on grey, as most roads are.
+  const auto sample = [&](int left, const char* name, const auto& put) {
+    const cv::Rect place(left, top + 5, 22, 16);
+    canvas(place).setTo(kRoadGray);
+    put(canvas, place);
+    put_text(canvas, name, {left + 30, baseline + 3}, kWhite);
+  };
+  sample(478, "seen free", put_free_sample);
+  sample(592, "unknown", put_unknown_sample);
 }
 
 /// All the boxes of an object would hide it; the one for a person of common height stands for them.
@@ -52,10 +66,12 @@ cv::Rect image_area(const cv::Mat& left) { return {0, 0, left.cols, left.rows}; 
 }  // namespace
 
 cv::Mat draw_overlay(const cv::Mat& left, const std::vector<Obstacle>& obstacles,
-                     const std::vector<Pedestrian>& pedestrians) {
-  cv::Mat canvas = with_strip(left, kStripHeight_px, kOverlayMinWidth_px);
+                     const std::vector<Pedestrian>& pedestrians, const RoadScan& scanned) {
+  const bool has_scan = !scanned.scan.empty();
+  cv::Mat canvas = with_strip(left, kStripHeight_px, has_scan ? kScannedMinWidth_px : kOverlayMinWidth_px);
   cv::Mat image = canvas(image_area(left));
   if (!image.empty()) {
+    put_scan_on_road(image, scanned.scan, scanned.camera, scanned.road);
     for (auto obstacle = obstacles.rbegin(); obstacle != obstacles.rend(); ++obstacle)
       cv::rectangle(image, pixel_rect(obstacle->box), range_color(obstacle->range_m), 1);
     for (const auto& pedestrian : pedestrians) cv::rectangle(image, pixel_rect(pedestrian.box), kPedestrianColor, 2);
@@ -68,7 +84,7 @@ cv::Mat draw_overlay(const cv::Mat& left, const std::vector<Obstacle>& obstacles
       labels.put(image, fmt::format("{:.1f} m", obstacle.range_m), pixel_rect(obstacle.box),
                  range_color(obstacle.range_m));
   }
-  put_overlay_legend(canvas, left.rows);
+  put_overlay_legend(canvas, left.rows, has_scan);
   return canvas;
 }
 

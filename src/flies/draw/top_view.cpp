@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "flies/draw/paint.hpp"
+#include "flies/draw/scan_paint.hpp"
 #include "flies/io/fitness_color.hpp"
 
 namespace flies {
@@ -103,7 +104,7 @@ void put_obstacle(cv::Mat& ground, const GroundPlot& plot, const Obstacle& obsta
 
 constexpr int kLegendWidth_px = 215;
 
-void put_top_view_legend(cv::Mat& canvas, const GroundPlot& plot, bool has_flies) {
+void put_top_view_legend(cv::Mat& canvas, const GroundPlot& plot, bool has_flies, bool has_scan) {
   const int left = plot.area.br().x + 18;
   int top = plot.area.y + 4;
   const auto heading = [&](const std::string& text) {
@@ -124,6 +125,19 @@ void put_top_view_legend(cv::Mat& canvas, const GroundPlot& plot, bool has_flies
   cv::circle(canvas, {left + 6, top + 6}, 6, kInk, 1, cv::LINE_AA);
   put_text(canvas, "pedestrian, range", {left + 22, top + 10}, kInk);
   top += 32;
+  if (has_scan) {
+    const auto entry = [&](const char* name, const auto& put) {
+      put(cv::Rect(left, top - 2, 14, 14));
+      put_text(canvas, name, {left + 22, top + 10}, kInk);
+      top += 24;
+    };
+    entry("seen free", [&](const cv::Rect& place) { put_free_sample(canvas, place); });
+    entry("unknown", [&](const cv::Rect& place) { put_unknown_sample(canvas, place); });
+    entry("the scan ends at an obstacle", [&](const cv::Rect& place) {
+      cv::line(canvas, {place.x, place.y + 8}, {place.br().x, place.y + 8}, kInk, 3, cv::LINE_AA);
+    });
+    top += 8;
+  }
   if (has_flies) {
     heading("flies, fitness");
     bar_with_ends(fitness_bgr, "low", "high");
@@ -141,7 +155,7 @@ void put_top_view_legend(cv::Mat& canvas, const GroundPlot& plot, bool has_flies
 }  // namespace paint
 
 cv::Mat draw_top_view(const StereoCamera& camera, const Population& flies, const std::vector<Obstacle>& obstacles,
-                      const std::vector<Pedestrian>& pedestrians, const TopView& view) {
+                      const std::vector<Pedestrian>& pedestrians, const TopView& view, const Scan& scan) {
   using namespace paint;
   const GroundPlot plot = ground_plot(view, {});
   constexpr int kMinLegendRows_px = 320;
@@ -149,6 +163,7 @@ cv::Mat draw_top_view(const StereoCamera& camera, const Population& flies, const
                  plot.area.br().x + std::max(kLegendWidth_px, pixel(5.0 * plot.view.pixels_per_m) + 60), CV_8UC3,
                  kWhite);
   put_grid(canvas, plot, "bird's-eye view");
+  put_scan_on_ground(canvas, plot, scan);
   put_flies(canvas, plot, flies, 0.45);
   put_field_of_view(canvas, plot, camera);
 
@@ -172,7 +187,7 @@ cv::Mat draw_top_view(const StereoCamera& camera, const Population& flies, const
     const cv::Point centre = plot.at(obstacle.x_m, obstacle.y_m);
     labels.put(ground, fmt::format("{:.1f} m", obstacle.range_m), {centre.x - 6, centre.y - 6, 12, 12}, kInk);
   }
-  put_top_view_legend(canvas, plot, !flies.empty());
+  put_top_view_legend(canvas, plot, !flies.empty(), !scan.empty());
   return canvas;
 }
 
