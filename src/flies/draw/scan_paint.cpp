@@ -11,9 +11,9 @@ namespace flies::paint {
 namespace {
 
 const cv::Vec3d kFreeTint{40, 220, 30};
-const cv::Vec3d kUnknownTint{130, 130, 130};
+const cv::Vec3d kUnknownTint{165, 165, 165};
 constexpr double kFreeShare = 0.25;
-constexpr double kUnknownShare = 0.5;
+constexpr double kUnknownShare = 0.6;
 
 /// How far out an unknown sector is hatched: it is unknown all the way, but its foot says so.
 constexpr double kUnknownFoot_m = 10.0;

@@ -133,7 +133,7 @@ void put_top_view_legend(cv::Mat& canvas, const GroundPlot& plot, bool has_flies
     };
     entry("seen free", [&](const cv::Rect& place) { put_free_sample(canvas, place); });
     entry("unknown", [&](const cv::Rect& place) { put_unknown_sample(canvas, place); });
-    entry("the scan ends at an obstacle", [&](const cv::Rect& place) {
+    entry("obstacle in the scan", [&](const cv::Rect& place) {
       cv::line(canvas, {place.x, place.y + 8}, {place.br().x, place.y + 8}, kInk, 3, cv::LINE_AA);
     });
     top += 8;
