@@ -212,7 +212,7 @@ void setup_detect(CLI::App& app) {
       "range, default and meaning. The preset is overruled by --options FILE, and that by the command line.\n"
       "Without output options a table is printed. On folders, files written per pair carry the name of the\n"
       "left image: --overlay found.png writes found_0000000012.png. Files appear when they are complete;\n"
-      "an interrupted run keeps the lines of --json and --csv that it has finished. In folders, a pair that\n"
+      "an interrupted run keeps the finished lines of --json, --csv and --scan. In folders, a pair that\n"
       "cannot be used gets a line with its error, and the run ends with status 2 after the others.\n"
       "\nExamples:\n"
       "  flies detect left.png right.png --calib calib.txt\n"
