@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -14,6 +16,8 @@ namespace flies {
 namespace {
 
 constexpr double kMinDisparity_px = 1.0;  // over that of infinity: farther corners have no depth
+
+constexpr double kMinNowDepth_m = 0.5;  // of a corner that a wrong depth puts behind the camera
 
 RigidMotion as_rigid(const cv::Matx33d& rotation, const cv::Vec3d& shift_m) {
   RigidMotion motion;
@@ -108,6 +112,8 @@ struct EgoEstimator::Memory {
   Memory(const StereoCamera& c, const EgoOptions& o) : camera(c), projection(c), options(o), place(c, projection) {}
 
   EgoMotion estimate(const ego::PreparedPair& now, double dt_s);
+  std::vector<CornerMotion> moved(const ego::PreparedPair& now, std::span<const ego::FollowedCorner> corners,
+                                  const EgoMotion& ego) const;
   EgoMotion in_vehicle(const ego::PoseResult& pose, double dt_s) const;
 };
 
@@ -149,8 +155,34 @@ EgoMotion EgoEstimator::Memory::estimate(const ego::PreparedPair& now, double dt
     return lost;
   EgoMotion known = in_vehicle(*pose, dt_s);
   known.followed = lost.followed;
+  known.corners = moved(now, corners, known);
   motion = pose->motion;
   return known;
+}
+
+/// Where each corner is now by its disparity now, against where it would be had it stood still.
+std::vector<CornerMotion> EgoEstimator::Memory::moved(const ego::PreparedPair& now,
+                                                      std::span<const ego::FollowedCorner> corners,
+                                                      const EgoMotion& ego) const {
+  std::vector<cv::Point2f> now_px;
+  std::vector<float> guess_px;
+  std::vector<Point3> stood;
+  for (const auto& corner : corners) {
+    const cv::Vec3d then = place.vehicle_from_camera * corner.before_m + place.at_m;
+    stood.push_back(ego.current_from_previous({then[0], then[1], then[2]}));
+    now_px.emplace_back(static_cast<float>(corner.now_px[0]), static_cast<float>(corner.now_px[1]));
+    const double depth_m = std::max(projection.depth_m(stood.back()), kMinNowDepth_m);
+    guess_px.push_back(static_cast<float>(projection.disparity_at_depth(depth_m)));
+  }
+  const auto disparities_px = ego::disparities_near(now, now_px, guess_px);
+  std::vector<CornerMotion> motions;
+  for (std::size_t i = 0; i < now_px.size(); ++i) {
+    if (!(disparities_px[i] > projection.disparity_offset_px() + kMinDisparity_px)) continue;
+    const Point3 at = projection.triangulate({now_px[i].x, now_px[i].y, disparities_px[i]});
+    motions.push_back({now_px[i].x, now_px[i].y, at.x_m, at.y_m, (at.x_m - stood[i].x_m) / ego.dt_s,
+                       (at.y_m - stood[i].y_m) / ego.dt_s});
+  }
+  return motions;
 }
 
 EgoMotion EgoEstimator::Memory::in_vehicle(const ego::PoseResult& pose, double dt_s) const {

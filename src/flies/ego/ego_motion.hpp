@@ -39,6 +39,13 @@ struct EgoOptions {
   }
 };
 
+/// How a corner of the left image moved over ground since the pair before.
+struct CornerMotion {
+  double u_px = 0.0, v_px = 0.0;      ///< in the left image now
+  double x_m = 0.0, y_m = 0.0;        ///< now, vehicle frame
+  double vx_mps = 0.0, vy_mps = 0.0;  ///< zero but for noise where it stands still
+};
+
 /// How the camera moved from the pair before to this one. Velocities are over ground, averaged over that time, in the
 /// axes of the vehicle frame at this pair.
 struct EgoMotion {
@@ -50,8 +57,9 @@ struct EgoMotion {
   double yaw_rate_rps = 0.0;          ///< positive to the left
   /// Of (vx, vy, yaw rate), from the scatter of the corners about the motion.
   std::array<std::array<double, 3>, 3> covariance{};
-  int followed = 0;  ///< corners found again in this pair
-  int agreeing = 0;  ///< of those, on things that stand still by this motion
+  int followed = 0;                   ///< corners found again in this pair
+  int agreeing = 0;                   ///< of those, on things that stand still by this motion
+  std::vector<CornerMotion> corners;  ///< those whose depth is known before and now; empty when given
 };
 
 /// A known motion in the plane of the road (a wheel and yaw-rate sensor, or GPS/IMU) as an `EgoMotion`.

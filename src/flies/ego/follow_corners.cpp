@@ -107,28 +107,41 @@ PreparedPair prepare(const RectifiedPair& pair, double min_disparity_px, const E
   const cv::Mat left = scaled(pair.left, scale), right = scaled(pair.right, scale);
   cv::buildOpticalFlowPyramid(left, prepared.left_pyramid, kWindow, kLevels, true, cv::BORDER_REFLECT_101,
                               cv::BORDER_CONSTANT, false);
-  std::vector<cv::Mat> right_pyramid;
-  cv::buildOpticalFlowPyramid(right, right_pyramid, kWindow, 0, false);
+  cv::buildOpticalFlowPyramid(right, prepared.right_pyramid, kWindow, 0, false, cv::BORDER_REFLECT_101,
+                              cv::BORDER_CONSTANT, false);
 
   const int min_px = std::max(0, static_cast<int>(std::floor(min_disparity_px / scale)));
-  std::vector<cv::Point2f> in_left, in_right;
+  std::vector<cv::Point2f> left_px;
+  std::vector<float> guess_px;
   for (const auto& p : spread_corners(left, options.corners)) {
     const int u = cvRound(p.x), v = cvRound(p.y);
     const int disparity = search_disparity(left, right, u, v, min_px, min_px + kMaxDisparity_px / scale);
     if (disparity < 0) continue;
-    in_left.push_back(p);
-    in_right.emplace_back(p.x - static_cast<float>(disparity), p.y);
+    left_px.push_back(to_full(p, scale));
+    guess_px.push_back(static_cast<float>(disparity * scale));
   }
-  if (in_left.empty()) return prepared;
-  std::vector<std::uint8_t> status;
-  cv::calcOpticalFlowPyrLK(prepared.left_pyramid, right_pyramid, in_left, in_right, status, cv::noArray(), kWindow, 0,
-                           kUntil, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
-  for (std::size_t i = 0; i < in_left.size(); ++i) {
-    if (!status[i] || !(std::abs(in_left[i].y - in_right[i].y) <= kMaxRowError_px)) continue;
-    prepared.corners.push_back(
-        {to_full(in_left[i], scale), static_cast<float>(scale) * (in_left[i].x - in_right[i].x)});
-  }
+  const auto disparities_px = disparities_near(prepared, left_px, guess_px);
+  for (std::size_t i = 0; i < left_px.size(); ++i)
+    if (!std::isnan(disparities_px[i])) prepared.corners.push_back({left_px[i], disparities_px[i]});
   return prepared;
+}
+
+std::vector<float> disparities_near(const PreparedPair& pair, const std::vector<cv::Point2f>& left_px,
+                                    const std::vector<float>& guess_px) {
+  std::vector<float> disparities_px(left_px.size(), std::numeric_limits<float>::quiet_NaN());
+  if (left_px.empty()) return disparities_px;
+  std::vector<cv::Point2f> in_left, in_right;
+  for (std::size_t i = 0; i < left_px.size(); ++i) {
+    in_left.push_back(to_scaled(left_px[i], pair.scale));
+    in_right.push_back(to_scaled({left_px[i].x - guess_px[i], left_px[i].y}, pair.scale));
+  }
+  std::vector<std::uint8_t> status;
+  cv::calcOpticalFlowPyrLK(pair.left_pyramid, pair.right_pyramid, in_left, in_right, status, cv::noArray(), kWindow, 0,
+                           kUntil, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
+  for (std::size_t i = 0; i < in_left.size(); ++i)
+    if (status[i] && std::abs(in_left[i].y - in_right[i].y) <= kMaxRowError_px)
+      disparities_px[i] = static_cast<float>(pair.scale) * (in_left[i].x - in_right[i].x);
+  return disparities_px;
 }
 
 std::vector<cv::Point2f> follow_corners(const PreparedPair& before, const PreparedPair& now,

@@ -17,8 +17,9 @@ struct StereoCorner {
 
 /// One pair, prepared for following.
 struct PreparedPair {
-  std::vector<cv::Mat> left_pyramid;  ///< with derivatives, as OpenCV builds it
-  int scale = 1;                      ///< of the pyramid's lowest level against the full image
+  std::vector<cv::Mat> left_pyramid;   ///< with derivatives, as OpenCV builds it
+  std::vector<cv::Mat> right_pyramid;  ///< of one level
+  int scale = 1;                       ///< of the pyramid's lowest level against the full image
   std::vector<StereoCorner> corners;
 
   bool empty() const { return left_pyramid.empty(); }
@@ -32,5 +33,9 @@ PreparedPair prepare(const RectifiedPair& pair, double min_disparity_px, const E
 /// @param guess_px where to look, one a corner
 std::vector<cv::Point2f> follow_corners(const PreparedPair& before, const PreparedPair& now,
                                         const std::vector<cv::Point2f>& guess_px);
+
+/// Disparities of pixels of the left image near a guess; not a number where there is none.
+std::vector<float> disparities_near(const PreparedPair& pair, const std::vector<cv::Point2f>& left_px,
+                                    const std::vector<float>& guess_px);
 
 }  // namespace flies::ego

@@ -29,15 +29,46 @@ Covariance2 inverse(const Covariance2& a) {
   return {{{a[1][1] / d, -a[0][1] / d}, {-a[1][0] / d, a[0][0] / d}}};
 }
 
-Covariance2 innovation_covariance(const GroundState& s, const GroundPosition& m) {
+/// Which two of the state's numbers are measured: those from here on.
+constexpr std::size_t kPosition = 0, kVelocity = 2;
+
+Covariance2 innovation_covariance(const GroundState& s, const Covariance2& noise, std::size_t from) {
   Covariance2 sum{};
   for (std::size_t i = 0; i < 2; ++i)
-    for (std::size_t j = 0; j < 2; ++j) sum[i][j] = s.covariance[i][j] + m.covariance[i][j];
+    for (std::size_t j = 0; j < 2; ++j) sum[i][j] = s.covariance[from + i][from + j] + noise[i][j];
   return sum;
 }
 
 double squared(const Covariance2& inverse_covariance, double a, double b) {
   return inverse_covariance[0][0] * a * a + 2 * inverse_covariance[0][1] * a * b + inverse_covariance[1][1] * b * b;
+}
+
+/// The state given a measurement that differs by `difference` from what it says.
+GroundState corrected(const GroundState& state, const std::array<double, 2>& difference, const Covariance2& noise,
+                      std::size_t from) {
+  const Covariance2 inverse_s = inverse(innovation_covariance(state, noise, from));
+  std::array<std::array<double, 2>, 4> gain{};
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 2; ++j)
+      for (std::size_t k = 0; k < 2; ++k) gain[i][j] += state.covariance[i][from + k] * inverse_s[k][j];
+  const auto step = [&](std::size_t i) { return gain[i][0] * difference[0] + gain[i][1] * difference[1]; };
+  GroundState next = state;
+  next.x_m += step(0);
+  next.y_m += step(1);
+  next.vx_mps += step(2);
+  next.vy_mps += step(3);
+  // Joseph's form, which stays symmetric and positive however often it is repeated.
+  Covariance4 keep{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    keep[i][i] = 1.0;
+    for (std::size_t j = 0; j < 2; ++j) keep[i][from + j] -= gain[i][j];
+  }
+  next.covariance = product(product(keep, state.covariance), transposed(keep));
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 4; ++j)
+      for (std::size_t k = 0; k < 2; ++k)
+        for (std::size_t l = 0; l < 2; ++l) next.covariance[i][j] += gain[i][k] * noise[k][l] * gain[j][l];
+  return next;
 }
 
 }  // namespace
@@ -77,33 +108,17 @@ GroundState predict(const GroundState& state, const EgoMotion& ego, double accel
 }
 
 Innovation innovation(const GroundState& state, const GroundPosition& measured) {
-  const Covariance2 s = innovation_covariance(state, measured);
+  const Covariance2 s = innovation_covariance(state, measured.covariance, kPosition);
   return {squared(inverse(s), measured.x_m - state.x_m, measured.y_m - state.y_m), std::log(determinant(s))};
 }
 
 GroundState update(const GroundState& state, const GroundPosition& measured) {
-  const Covariance2 inverse_s = inverse(innovation_covariance(state, measured));
-  std::array<std::array<double, 2>, 4> gain{};
-  for (std::size_t i = 0; i < 4; ++i)
-    for (std::size_t j = 0; j < 2; ++j)
-      for (std::size_t k = 0; k < 2; ++k) gain[i][j] += state.covariance[i][k] * inverse_s[k][j];
-  const double dx = measured.x_m - state.x_m, dy = measured.y_m - state.y_m;
-  GroundState next = state;
-  next.x_m += gain[0][0] * dx + gain[0][1] * dy;
-  next.y_m += gain[1][0] * dx + gain[1][1] * dy;
-  next.vx_mps += gain[2][0] * dx + gain[2][1] * dy;
-  next.vy_mps += gain[3][0] * dx + gain[3][1] * dy;
-  // Joseph's form, which stays symmetric and positive however often it is repeated.
-  Covariance4 keep{};
-  for (std::size_t i = 0; i < 4; ++i)
-    for (std::size_t j = 0; j < 4; ++j) keep[i][j] = (i == j ? 1.0 : 0.0) - (j < 2 ? gain[i][j] : 0.0);
-  next.covariance = product(product(keep, state.covariance), transposed(keep));
-  for (std::size_t i = 0; i < 4; ++i)
-    for (std::size_t j = 0; j < 4; ++j)
-      for (std::size_t k = 0; k < 2; ++k)
-        for (std::size_t l = 0; l < 2; ++l)
-          next.covariance[i][j] += gain[i][k] * measured.covariance[k][l] * gain[j][l];
-  return next;
+  return corrected(state, {measured.x_m - state.x_m, measured.y_m - state.y_m}, measured.covariance, kPosition);
+}
+
+GroundState update(const GroundState& state, const GroundVelocity& measured) {
+  return corrected(state, {measured.vx_mps - state.vx_mps, measured.vy_mps - state.vy_mps}, measured.covariance,
+                   kVelocity);
 }
 
 LikelyVelocity likely_velocity(const GroundState& state, double moving_prior, double moving_mps) {

@@ -39,6 +39,13 @@ Innovation innovation(const GroundState& state, const GroundPosition& measured);
 /// The state given the measurement as well.
 GroundState update(const GroundState& state, const GroundPosition& measured);
 
+/// A measured velocity over ground.
+struct GroundVelocity {
+  double vx_mps = 0.0, vy_mps = 0.0;
+  Covariance2 covariance{};
+};
+GroundState update(const GroundState& state, const GroundVelocity& measured);
+
 /// A velocity that may be none at all: most things stand, and the noise of a position alone gives each a velocity.
 /// Spike and slab: the prior is zero with probability 1 - `moving_prior`, else normal with `moving_mps`.
 struct LikelyVelocity {

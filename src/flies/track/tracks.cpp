@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "flies/track/assignment.hpp"
@@ -19,6 +20,14 @@ constexpr double kMinPersonGap_m = 0.7, kPersonGapShare = 0.05;  // between a pe
 constexpr double kMinHidden = 0.5;  // share of its width behind nearer things that hides a track
 constexpr double kHidingDistance_m = 1.0;
 constexpr double kSizeGain = 0.25;  // of the newest sighting in the size
+
+constexpr double kCornerSlack_m = 1.0, kCornerSlackShare = 0.05;  // depth of a thing about its near face
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 double logit(double p) { return std::log(p / (1.0 - p)); }
 
@@ -107,8 +116,36 @@ void TrackKeeper::predict_all(const EgoMotion& ego) {
   std::erase_if(tracks_, [&](const Track& t) { return !is_in_view(t.state) || t.unseen_s > options_.max_coast_s; });
 }
 
-void TrackKeeper::see(Track& track, const Sighting& sighting) const {
+/// The median velocity of the corners on a thing: in its box and near its range, so not on what is behind.
+std::optional<GroundVelocity> TrackKeeper::velocity_of(const Sighting& s, const EgoMotion& ego) const {
+  const double range_m = std::max(std::hypot(s.x_m, s.y_m), kMinDepth_m), c = s.x_m / range_m, n = s.y_m / range_m;
+  std::vector<double> along, across;
+  for (const auto& corner : ego.corners) {
+    if (corner.u_px < s.box.u_px || corner.v_px < s.box.v_px || corner.u_px > s.box.u_px + s.box.width_px ||
+        corner.v_px > s.box.v_px + s.box.height_px ||
+        std::abs(std::hypot(corner.x_m, corner.y_m) - range_m) > kCornerSlack_m + kCornerSlackShare * range_m)
+      continue;
+    along.push_back(c * corner.vx_mps + n * corner.vy_mps);
+    across.push_back(-n * corner.vx_mps + c * corner.vy_mps);
+  }
+  if (along.size() < static_cast<std::size_t>(options_.min_corners)) return std::nullopt;
+  // Two depths make a velocity along the line of sight, two bearings one across it.
+  const double one_along = std::numbers::sqrt2 * range_m * range_m * options_.corner_disparity_sd_px /
+                           (camera_.fx_px * camera_.baseline_m * ego.dt_s);
+  const double one_across =
+      std::numbers::sqrt2 * range_m * options_.corner_disparity_sd_px / (camera_.fx_px * ego.dt_s);
+  const double root = std::sqrt(static_cast<double>(along.size()));
+  const double a2 = std::pow(std::hypot(options_.corner_velocity_sd_mps, one_along / root), 2);
+  const double b2 = std::pow(std::hypot(options_.corner_velocity_sd_mps, one_across / root), 2);
+  const double v_along = median(along), v_across = median(across);
+  return GroundVelocity{c * v_along - n * v_across,
+                        n * v_along + c * v_across,
+                        {{{c * c * a2 + n * n * b2, c * n * (a2 - b2)}, {c * n * (a2 - b2), n * n * a2 + c * c * b2}}}};
+}
+
+void TrackKeeper::see(Track& track, const Sighting& sighting, const EgoMotion& ego) const {
   track.state = update(track.state, measured(sighting));
+  if (const auto velocity = velocity_of(sighting, ego)) track.state = update(track.state, *velocity);
   const double odds = track.probability / (1.0 - track.probability) * options_.seen_odds;
   track.probability = std::min(kMaxProbability, odds / (1.0 + odds));
   const double verdict = sighting.person_probability
@@ -129,7 +166,7 @@ void TrackKeeper::miss(Track& track, std::span<const Sighting> sightings) const 
   track.box = predicted_box(track);
 }
 
-Track TrackKeeper::start(const Sighting& s) {
+Track TrackKeeper::start(const Sighting& s, const EgoMotion& ego) {
   Track track;
   track.id = next_id_++;
   track.probability = options_.first_probability;
@@ -140,6 +177,7 @@ Track TrackKeeper::start(const Sighting& s) {
     for (std::size_t j = 0; j < 2; ++j) track.state.covariance[i][j] = position.covariance[i][j];
     track.state.covariance[i + 2][i + 2] = options_.start_speed_mps * options_.start_speed_mps;
   }
+  if (const auto velocity = velocity_of(s, ego)) track.state = update(track.state, *velocity);
   track.person_log_odds = s.person_probability
                               ? logit(std::clamp(*s.person_probability, 1.0 - kMaxVerdict, kMaxVerdict))
                               : kNoPersonLogOdds;
@@ -175,11 +213,11 @@ std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sight
     }
     const auto j = static_cast<std::size_t>(assigned[i]);
     taken[j] = true;
-    see(tracks_[i], sightings[j]);
+    see(tracks_[i], sightings[j], ego);
   }
   std::erase_if(tracks_, [&](const Track& t) { return t.probability < options_.min_probability; });
   for (std::size_t j = 0; j < sightings.size(); ++j)
-    if (!taken[j]) tracks_.push_back(start(sightings[j]));
+    if (!taken[j]) tracks_.push_back(start(sightings[j], ego));
 
   for (auto& track : tracks_) {
     track.kind = track.person_log_odds > 0.0 ? TrackClass::person : TrackClass::other;

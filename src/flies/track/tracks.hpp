@@ -22,6 +22,9 @@ struct TrackOptions {
   double start_speed_mps = 5.0;
   double moving_prior = 0.15;
   double gate = 13.8;
+  double corner_disparity_sd_px = 0.25;
+  double corner_velocity_sd_mps = 0.2;
+  int min_corners = 3;
   double first_probability = 0.7;
   double seen_odds = 10.0;
   double detection_probability = 0.8;
@@ -39,6 +42,10 @@ struct TrackOptions {
     field("start_speed_mps", self.start_speed_mps, Range{0.1, 50}, "standard deviation of a new thing's velocity");
     field("moving_prior", self.moving_prior, Range{0.001, 0.999}, "share of things that move");
     field("gate", self.gate, Range{1, 100}, "squared Mahalanobis distance at which a sighting is another thing's");
+    field("corner_disparity_sd_px", self.corner_disparity_sd_px, Range{0.01, 10},
+          "of one corner: its velocity follows");
+    field("corner_velocity_sd_mps", self.corner_velocity_sd_mps, Range{0.01, 10}, "of a velocity from many corners");
+    field("min_corners", self.min_corners, Range{1, 1000}, "corners on a thing that give it a velocity");
     field("first_probability", self.first_probability, Range{0.01, 0.98}, "that a thing seen once exists");
     field("seen_odds", self.seen_odds, Range{1, 1000}, "what seeing it again multiplies the odds by");
     field("detection_probability", self.detection_probability, Range{0.01, 0.99}, "that a thing in view is seen");
@@ -99,9 +106,10 @@ class TrackKeeper {
   void predict_all(const EgoMotion& ego);
   bool is_in_view(const GroundState& state) const;
   ImageBox predicted_box(const Track& track) const;
-  void see(Track& track, const Sighting& sighting) const;
+  std::optional<GroundVelocity> velocity_of(const Sighting& sighting, const EgoMotion& ego) const;
+  void see(Track& track, const Sighting& sighting, const EgoMotion& ego) const;
   void miss(Track& track, std::span<const Sighting> sightings) const;
-  Track start(const Sighting& sighting);
+  Track start(const Sighting& sighting, const EgoMotion& ego);
 
   StereoCamera camera_;
   Projection projection_;

@@ -247,6 +247,26 @@ TEST(TrackKeeper, KeepsTwoThatCrossApart) {
   EXPECT_GT(tracks[0].state.y_m, 2.0);
 }
 
+// A hedge of which every pair shows a piece farther along: its corners stand still.
+TEST(TrackKeeper, TakesTheVelocityOfCornersOnAThing) {
+  const auto speed = [](bool with_corners) {
+    TrackKeeper keeper(camera());
+    std::vector<Track> tracks;
+    for (int i = 0; i < 10; ++i) {
+      auto hedge = at(10, 0.2 * i, 1.0);
+      hedge.box = {500, 100, 200, 150};
+      EgoMotion ego = standing();
+      for (int k = 0; with_corners && k < 10; ++k)
+        ego.corners.push_back({.u_px = 510.0 + 10 * k, .v_px = 120, .x_m = 10, .y_m = 0.2 * i});
+      ego.corners.push_back({.u_px = 600, .v_px = 120, .x_m = 30, .vx_mps = 9});  // behind it
+      tracks = keeper.step(ego, std::vector{hedge});
+    }
+    return tracks.empty() ? 0.0 : std::hypot(tracks[0].velocity.vx_mps, tracks[0].velocity.vy_mps);
+  };
+  EXPECT_GT(speed(false), 1.5);
+  EXPECT_LT(speed(true), 0.5);
+}
+
 TEST(TrackKeeper, RefusesOptionsOutOfRange) {
   TrackOptions options;
   options.gate = 0.0;
