@@ -14,6 +14,8 @@ namespace {
 
 /// Width over height of the window (METHOD section 5: 48 x 96).
 constexpr double kWindowAspect = 0.5;
+/// A hundred times what the presets ask for; more would take minutes and gigabytes in a street.
+constexpr std::size_t kMaxRoisPerObstacle = 10'000;
 /// Closer to the camera than this no person fits into any image.
 constexpr double kMinDepth_m = 0.5;
 
@@ -160,6 +162,10 @@ void check_propose_options(const ProposeOptions& options, const std::string& sou
     throw InputError(source, "propose.min_height_m",
                      fmt::format("found {}, expected at most propose.max_height_m, which is {}", options.min_height_m,
                                  options.max_height_m));
+  if (const std::size_t rois = max_rois_per_obstacle(options); rois > kMaxRoisPerObstacle)
+    throw InputError(
+        source, "propose.step",
+        fmt::format("asks for up to {} boxes an obstacle, expected at most {}", rois, kMaxRoisPerObstacle));
 }
 
 std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Projection& projection, const RoadPlane& road,

@@ -1,0 +1,33 @@
+#include <opencv2/core.hpp>
+
+#include "flies/io/image_codecs.hpp"
+#include "tests/fuzz/target.hpp"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  flies::decode_image({reinterpret_cast<const char*>(data), size});
+  return 0;
+}
+
+std::vector<std::string> fuzz_seeds() {
+  const auto text = [](const std::vector<std::uint8_t>& bytes) { return std::string(bytes.begin(), bytes.end()); };
+  std::vector<std::string> seeds;
+  for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1}) {
+    cv::Mat image(9, 13, type);
+    cv::randu(image, 0, 256);
+    seeds.push_back(text(flies::encode_png(image)));
+    if (image.depth() == CV_8U) seeds.push_back(text(flies::encode_jpeg(image, 80)));
+  }
+  const std::string pixels = "0123456789abcdef0123456789abcdef";
+  seeds.insert(seeds.end(), {"P5\n4 3\n255\n" + pixels, "P6\n2 2\n65535\n" + pixels, "P4\n9 2\n" + pixels,
+                             "P2\n2 2\n9\n1 2 3 4\n", "P1\n3 1\n101\n"});
+  // A little-endian TIFF of 2 x 2 grey pixels: width, height, bits, compression, photometric, strip, rows, bytes.
+  std::string tiff("II*\0\x08\0\0\0\x08\0", 10);
+  const auto entry = [&](int tag, int type, int value) {
+    for (const int part : {tag & 255, tag >> 8, type, 0, 1, 0, 0, 0, value & 255, value >> 8, 0, 0})
+      tiff.push_back(static_cast<char>(part));
+  };
+  entry(256, 3, 2), entry(257, 3, 2), entry(258, 3, 8), entry(259, 3, 1), entry(262, 3, 1), entry(273, 4, 110);
+  entry(278, 3, 2), entry(279, 4, 4);
+  seeds.push_back(tiff + std::string("\0\0\0\0abcd", 8));
+  return seeds;
+}
