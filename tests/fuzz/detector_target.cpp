@@ -43,18 +43,18 @@ flies::StereoCamera draw_camera(Draws& draws, int width_px, int height_px) {
 /// A quarter of the options anywhere in their ranges, those that only cost time in a small part of them.
 flies::DetectorOptions draw_options(Draws& draws) {
   flies::DetectorOptions options;
-  flies::detail::for_each_leaf(
-      options, "", [&]<class T>(const std::string&, T& field, flies::Range range, std::string_view) {
-        if (draws.byte() % 4 != 0) return;
-        if constexpr (std::same_as<T, bool>)
-          field = draws.byte() % 2 == 0;
-        else if constexpr (std::same_as<T, double>)
-          field = draws.between(std::max(range.min, -1e6), std::min(range.max, 1e6));
-        else if constexpr (flies::NamedEnum<T>)
-          field = static_cast<T>(draws.byte() % flies::EnumNames<T>::names.size());
-        else if constexpr (std::same_as<T, int>)
-          field = static_cast<int>(draws.between(range.min, std::min(range.max, 64.0)));
-      });
+  flies::detail::for_each_leaf(options, "",
+                               [&]<class T>(const std::string&, T& field, flies::Range range, std::string_view) {
+                                 if (draws.byte() % 4 != 0) return;
+                                 if constexpr (std::same_as<T, bool>)
+                                   field = draws.byte() % 2 == 0;
+                                 else if constexpr (std::same_as<T, double>)
+                                   field = draws.between(std::max(range.min, -1e6), std::min(range.max, 1e6));
+                                 else if constexpr (flies::NamedEnum<T>)
+                                   field = static_cast<T>(draws.byte() % flies::EnumNames<T>::names.size());
+                                 else if constexpr (std::same_as<T, int>)
+                                   field = static_cast<int>(draws.between(range.min, std::min(range.max, 64.0)));
+                               });
   options.threads = 1;
   options.concentrate.view_angle_deg = std::max(0.5, options.concentrate.view_angle_deg);
   options.concentrate.bin_m = std::max(0.25, options.concentrate.bin_m);

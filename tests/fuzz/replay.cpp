@@ -45,7 +45,7 @@ void try_one(const std::string& input) {
 
 /// Bytes flipped, cut out, doubled, or numbers and words put in that readers trip over.
 std::string damaged(std::string input, std::mt19937& random) {
-  constexpr std::string_view kWords[] = {"1e30",   "1e999", "-1", "nan", "2147483648", "{}",   "[",
+  constexpr std::string_view kWords[] = {"1e30",    "1e999", "-1", "nan", "2147483648", "{}",  "[",
                                          "&a [*a]", "\xff",  "\n", "0",   "\x00",       "<a>", "99999999999"};
   const auto below = [&](std::size_t n) { return n == 0 ? std::size_t{0} : random() % n; };
   for (std::size_t wounds = 1 + below(4); wounds > 0; --wounds) {

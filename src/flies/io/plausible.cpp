@@ -44,18 +44,19 @@ std::string likely_units(double baseline, double focal_px) {
                                      Unit{"decimetres", 0.1}, Unit{"kilometres", 1e3}})
     guess(name, baseline * metres);
   guess("metres where the projection matrix wants focal length times metres", baseline * focal_px);
-  return guesses.empty() ? "is the unit that of the board's squares?"
-                         : guesses + ", or in squares of the board?";
+  return guesses.empty() ? "is the unit that of the board's squares?" : guesses + ", or in squares of the board?";
 }
 
 void check_baseline(const StereoCamera& camera, const std::string& source, std::vector<std::string>& notes) {
   const double found = camera.baseline_m;
   if (found < kLeastBaseline_m || found > kMostBaseline_m)
-    throw InputError(source, "baseline", fmt::format("found {:.4g} m, expected {} to {} m: {}", found, kLeastBaseline_m,
-                                                     kMostBaseline_m, likely_units(found, camera.fx_px)));
+    throw InputError(source, "baseline",
+                     fmt::format("found {:.4g} m, expected {} to {} m: {}", found, kLeastBaseline_m, kMostBaseline_m,
+                                 likely_units(found, camera.fx_px)));
   if (found < kProbableBaseline_m || found > kProbableMostBaseline_m)
-    notes.push_back(fmt::format("a baseline of {:.4g} m is hardly one of a stereo camera, and all ranges grow with it: {}",
-                                found, likely_units(found, camera.fx_px)));
+    notes.push_back(
+        fmt::format("a baseline of {:.4g} m is hardly one of a stereo camera, and all ranges grow with it: {}", found,
+                    likely_units(found, camera.fx_px)));
 }
 
 void check_focal_length(const StereoCamera& camera, const std::string& source, std::vector<std::string>& notes) {
@@ -66,22 +67,26 @@ void check_focal_length(const StereoCamera& camera, const std::string& source, s
     const auto found = fmt::format("{:.4g} px for images of {:.0f} px across, a field of view of {:.3g} degrees",
                                    camera.fx_px, width_px, angle_deg);
     if (share < kLeastFocal)
-      throw InputError(source, "focal length", fmt::format("found {}: is it in millimetres, or normalised by the image "
-                                                           "size? expected pixels", found));
-    if (share > kMostFocal)
       throw InputError(source, "focal length",
-                       fmt::format("found {}: is it in micrometres? expected pixels", found));
+                       fmt::format("found {}: is it in millimetres, or normalised by the image "
+                                   "size? expected pixels",
+                                   found));
+    if (share > kMostFocal)
+      throw InputError(source, "focal length", fmt::format("found {}: is it in micrometres? expected pixels", found));
     if (share < kProbableFocal || share > kProbableMostFocal)
       notes.push_back(fmt::format("the focal length is {}: check its unit and the size of the images", found));
   }
   const double aspect = camera.fx_px / camera.fy_px;
   if (aspect > kMostAspect || aspect < 1.0 / kMostAspect)
-    throw InputError(source, "focal length", fmt::format("found {:.4g} px across and {:.4g} px down, expected much the "
-                                                         "same: are both in pixels?", camera.fx_px, camera.fy_px));
+    throw InputError(source, "focal length",
+                     fmt::format("found {:.4g} px across and {:.4g} px down, expected much the "
+                                 "same: are both in pixels?",
+                                 camera.fx_px, camera.fy_px));
   if (aspect > kProbableAspect || aspect < 1.0 / kProbableAspect)
-    notes.push_back(fmt::format("the focal length across is {:.3g} times that down ({:.4g} and {:.4g} px), pixels are "
-                                "square in nearly all cameras: check whether the images were stretched",
-                                aspect, camera.fx_px, camera.fy_px));
+    notes.push_back(
+        fmt::format("the focal length across is {:.3g} times that down ({:.4g} and {:.4g} px), pixels are "
+                    "square in nearly all cameras: check whether the images were stretched",
+                    aspect, camera.fx_px, camera.fy_px));
 }
 
 double offset(double centre_px, int size_px) { return std::abs(centre_px / size_px - 0.5); }
@@ -96,8 +101,10 @@ void check_principal_point(const StereoCamera& camera, const std::string& source
   if (fits_swapped && std::max(across, down) > kFarOffset)
     throw InputError(source, "principal point", fmt::format("found {}: cx and cy are swapped", found));
   if (std::max(across, down) > kProbableOffset)
-    notes.push_back(fmt::format("the principal point {} is far from the middle: were the images cropped or resized "
-                                "after the calibration?", found));
+    notes.push_back(
+        fmt::format("the principal point {} is far from the middle: were the images cropped or resized "
+                    "after the calibration?",
+                    found));
   if (std::abs(camera.cx_px - camera.cx_right_px) > kFarOffset * camera.width_px)
     notes.push_back(fmt::format("the principal points of left and right are {:.0f} px apart: check both",
                                 std::abs(camera.cx_px - camera.cx_right_px)));
@@ -118,12 +125,12 @@ void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_
   const bool is_smaller = across < 1.0 - kResized && down < 1.0 - kResized;
   const bool is_larger = across > 1.0 / (1.0 - kResized) && down > 1.0 / (1.0 - kResized);
   if ((is_smaller || is_larger) && std::abs(across / down - 1.0) < kResized)
-    throw InputError(source, "image size",
-                     fmt::format("is not in the file, and its principal point ({:.1f}, {:.1f}) px is that of images of "
-                                 "about {:.0f} x {:.0f} px, not of {} x {} px: were they resized? Give the size that "
-                                 "the calibration is for with --calib-size",
-                                 camera.cx_px, camera.cy_px, 2.0 * camera.cx_px, 2.0 * camera.cy_px, width_px,
-                                 height_px));
+    throw InputError(
+        source, "image size",
+        fmt::format("is not in the file, and its principal point ({:.1f}, {:.1f}) px is that of images of "
+                    "about {:.0f} x {:.0f} px, not of {} x {} px: were they resized? Give the size that "
+                    "the calibration is for with --calib-size",
+                    camera.cx_px, camera.cy_px, 2.0 * camera.cx_px, 2.0 * camera.cy_px, width_px, height_px));
 }
 
 std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px) {
@@ -167,12 +174,12 @@ void check_rotation(const std::array<double, 9>& r, const std::string& source, c
   double fault = 0.0;
   for (std::size_t a = 0; a < 3; ++a)
     for (std::size_t b = 0; b < 3; ++b) fault = std::max(fault, std::abs(dot(a, b) - (a == b ? 1.0 : 0.0)));
-  const double determinant = r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
-                             r[2] * (r[3] * r[7] - r[4] * r[6]);
+  const double determinant =
+      r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) + r[2] * (r[3] * r[7] - r[4] * r[6]);
   if (fault > kRounding || determinant < 0.0)
     throw InputError(source, key,
-                     fmt::format("is no rotation (its rows miss being orthonormal by {:.3g}, determinant {:.3g})", fault,
-                                 determinant));
+                     fmt::format("is no rotation (its rows miss being orthonormal by {:.3g}, determinant {:.3g})",
+                                 fault, determinant));
 }
 
 }  // namespace flies::detail

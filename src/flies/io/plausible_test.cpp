@@ -85,7 +85,9 @@ TEST(ScaledCamera, KeepsThePixelsUnderTheirRays) {
 }
 
 TEST(CheckCameraMatrix, NamesTheTransposedOne) {
-  EXPECT_THAT(error_of([] { check_camera_matrix({700, 0, 0, 0, 702, 0, 600, 180, 1}, "calib", "M1"); }),
+  EXPECT_THAT(error_of([] {
+                check_camera_matrix({700, 0, 0, 0, 702, 0, 600, 180, 1}, "calib", "M1");
+              }),
               HasSubstr("transposed"));
   EXPECT_EQ(error_of([] { check_camera_matrix({700, 0, 600, 0, 702, 180, 0, 0, 1}, "calib", "M1"); }), "no error");
 }
