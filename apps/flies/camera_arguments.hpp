@@ -11,11 +11,14 @@
 
 /// What the user says of the camera beside its calibration file.
 struct CameraArguments {
-  std::vector<int> cameras;  ///< KITTI's, left and right; empty: not said
+  std::vector<int> cameras;             ///< KITTI's, left and right; empty: not said
+  std::vector<int> calibrated_size_px;  ///< width and height that a file without a size is for; empty: not said
   std::optional<double> height_m, pitch_deg, roll_deg;
 };
 
 void add_mount_options(CLI::App& command, CameraArguments& arguments);
+
+void add_calibrated_size_option(CLI::App& command, CameraArguments& arguments);
 
 /// @param meaning what `--cameras` does for this command
 void add_cameras_option(CLI::App& command, CameraArguments& arguments, const std::string& meaning);

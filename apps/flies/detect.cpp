@@ -175,6 +175,7 @@ void add_input_options(CLI::App& command, DetectArguments& arguments) {
   command.add_option("--right-calib", arguments.right_calib, "second file, where left and right have one each")
       ->type_name("FILE");
   add_cameras_option(command, arguments.camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
+  add_calibrated_size_option(command, arguments.camera);
   add_mount_options(command, arguments.camera);
 }
 

@@ -5,16 +5,15 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/io/calibration_formats.hpp"
 #include "flies/io/number_table.hpp"
+#include "flies/io/plausible.hpp"
 
 namespace flies {
 namespace {
-
-/// No pair of cameras for the road is this wide; a file that says so counts in millimetres.
-constexpr double kMaxBaseline_m = 10.0;
 
 /// In order of recognition: the particular before the general.
 const std::array kFormats = {&detail::kPlainYaml,   &detail::kMiddlebury,    &detail::kKittiRaw,
@@ -57,10 +56,29 @@ void check_baseline(const Calibration& calibration, const std::string& source) {
                      fmt::format("found {:.4g} m: left and right are swapped ({})", baseline_m, pair));
   if (baseline_m == 0.0)
     throw InputError(source, "baseline", fmt::format("found 0 m: both cameras stand in one place ({})", pair));
-  if (baseline_m > kMaxBaseline_m)
-    throw InputError(source, "baseline",
-                     fmt::format("found {:.6g}, expected metres, at most {}: the file seems to count in millimetres",
-                                 baseline_m, kMaxBaseline_m));
+}
+
+/// Brings the camera to the size of the images: given where the file has none, scaled where one scale fits.
+void fit_size(const CalibrationRequest& request, const std::string& source, Calibration& calibration) {
+  auto& camera = calibration.camera;
+  if (camera.width_px == 0 && request.calibrated_width_px > 0) {
+    camera.width_px = request.calibrated_width_px;
+    camera.height_px = request.calibrated_height_px;
+  }
+  if (request.width_px <= 0 || request.height_px <= 0) return;
+  if (camera.width_px == 0) {
+    detail::check_size_of_unsized(camera, request.width_px, request.height_px, source);
+    check_camera_fits(camera, request.width_px, request.height_px, source);
+    camera.width_px = request.width_px;
+    camera.height_px = request.height_px;
+  }
+  if (camera.width_px == request.width_px && camera.height_px == request.height_px) return;
+  const auto scale = detail::one_scale(camera.width_px, camera.height_px, request.width_px, request.height_px);
+  if (!scale || calibration.rectifier) return;  // told where the images are used; raw cameras were scaled before
+  calibration.notes.push_back(
+      fmt::format("the calibration is for {} x {} px, scaled by {:.4g} to the images of {} x {} px", camera.width_px,
+                  camera.height_px, *scale, request.width_px, request.height_px));
+  camera = detail::scaled_camera(camera, *scale, request.width_px, request.height_px);
 }
 
 /// The camera that the last folder or file name of this form names: "image_02", "image_2", "image_02_rect".
@@ -96,11 +114,8 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
   check_baseline(calibration, path);
   auto& camera = calibration.camera;
   check_camera(camera, path);
-  if (camera.width_px == 0 && request.width_px > 0 && request.height_px > 0) {
-    check_camera_fits(camera, request.width_px, request.height_px, path);
-    camera.width_px = request.width_px;
-    camera.height_px = request.height_px;
-  }
+  fit_size(request, path, calibration);
+  for (auto& note : detail::check_plausible(camera, path)) calibration.notes.push_back(std::move(note));
   return calibration;
 }
 

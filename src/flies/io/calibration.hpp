@@ -17,8 +17,11 @@ struct CalibrationRequest {
   std::string right_path;
   std::optional<std::array<int, 2>> cameras;    ///< KITTI cameras, left and right; other formats refuse them
   std::array<int, 2> default_cameras = {2, 3};  ///< KITTI cameras when none are given; other formats ignore them
-  int width_px = 0;                             ///< size of the images, used when the file does not say
+  /// Size of the images: used when the file does not say, and scaled to when it is the file's but for one scale.
+  int width_px = 0;
   int height_px = 0;
+  int calibrated_width_px = 0;  ///< size that a file without one is for
+  int calibrated_height_px = 0;
   std::optional<double> camera_height_m;  ///< these three overrule the file
   std::optional<double> camera_pitch_rad;
   std::optional<double> camera_roll_rad;
@@ -37,7 +40,7 @@ struct Calibration {
 
 /// Reads a calibration; the format is recognised from the content, not from the name.
 /// @throws InputError naming file and key: unreadable, unknown format, missing key, wrong count, not finite, zero focal
-///         length, baseline not positive (left and right swapped), not a rectified pair, implausible unit
+///         length, baseline not positive (left and right swapped), not a rectified pair, a unit or size that cannot be
 Calibration load_calibration(const std::string& path, const CalibrationRequest& request = {});
 
 /// The camera as the plain YAML that `load_calibration` reads back to the same values.

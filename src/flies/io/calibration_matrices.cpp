@@ -15,6 +15,8 @@ constexpr double kFocalTolerance = 1e-3;
 constexpr double kRowTolerance_px = 1.0;
 /// A right camera this much above or below the left one is worth a note: half a pixel row at a few metres.
 constexpr double kNotedOffset_m = 0.001;
+/// Rows of a rectified pair match only when the cameras stand level.
+constexpr double kMostSlant = 0.1;
 constexpr double kMetresPerMillimetre = 1e-3;
 
 struct Intrinsics {
@@ -123,6 +125,11 @@ Calibration calibration_from_projections(const ProjectionKey& left_key, const Pr
       calibration.notes.push_back(fmt::format("{} offset of {:.4f} m between {} and {} ignored", direction, offset_m,
                                               left_key.key, right_key.key));
   };
+  const double across_m = std::abs(camera.baseline_m), down_m = std::abs(right_m[1] - left_m[1]);
+  if (down_m > kMostSlant * across_m)
+    throw InputError(right_key.table.source, right_key.key,
+                     fmt::format("the cameras stand {} ({:.4g} m across and {:.4g} m down), expected side by side",
+                                 down_m > across_m ? "one above the other" : "aslant", across_m, down_m));
   note_offset(right_m[1] - left_m[1], "vertical");
   note_offset(right_m[2] - left_m[2], "forward");
   return calibration;
@@ -146,7 +153,10 @@ const CalibrationFormat kKittiRaw{
     }};
 
 const CalibrationFormat kKittiOdometry{"KITTI odometry calib.txt", true, false,
-                                       [](const NumberTable& table) { return table.has("P0") && table.has("P1"); },
+                                       [](const NumberTable& table) {
+                                         return (table.has("P0") && table.has("P1")) ||
+                                                (table.has("P2") && table.has("P3"));
+                                       },
                                        [](const NumberTable& table, const CalibrationRequest& request) {
                                          return read_kitti(table, request, "P{}", nullptr);
                                        }};

@@ -162,5 +162,15 @@ TEST(EncodeJpeg, IsWhatOpencvWrites) {
   }
 }
 
+TEST(DecodeImage, RefusesAJpegWhoseDataBrokeOffBeforeItsEnd) {
+  cv::Mat image(96, 128, CV_8U);
+  cv::randu(image, 0, 256);
+  const auto bytes = encode_jpeg(image, 90);
+  const std::string whole(bytes.begin(), bytes.end());
+  ASSERT_FALSE(decode_image(whole).empty());
+  const std::string cut = whole.substr(0, whole.size() / 2) + "\xFF\xD9";
+  EXPECT_TRUE(decode_image(cut).empty());
+}
+
 }  // namespace
 }  // namespace flies

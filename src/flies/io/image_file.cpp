@@ -108,7 +108,9 @@ std::optional<std::size_t> pnm_number(std::string_view bytes, std::size_t& at) {
 ImageFileKind image_file_kind(std::string_view bytes) {
   if (bytes.starts_with(kPngSignature)) return ImageFileKind::png;
   if (bytes.starts_with("\xFF\xD8\xFF")) return ImageFileKind::jpeg;
-  if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return ImageFileKind::tiff;
+  if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv) || bytes.starts_with("II+\0"sv) ||
+      bytes.starts_with("MM\0+"sv))
+    return ImageFileKind::tiff;
   if (bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6' && std::isspace(byte_at(bytes, 2)) != 0)
     return ImageFileKind::pnm;
   return ImageFileKind::unknown;

@@ -73,7 +73,8 @@ bool read_image(Decoder& d, std::string_view bytes) {
     jpeg_read_scanlines(&d.jpeg, &row, 1);
   }
   jpeg_finish_decompress(&d.jpeg);
-  return true;
+  // libjpeg fills what is missing with grey and calls that a warning.
+  return d.jpeg.err->num_warnings == 0;
 }
 
 bool write_image(Encoder& e, const cv::Mat& rgb, int quality) {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <pugixml.hpp>
 #include <sstream>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/io/text_file.hpp"
@@ -54,15 +55,25 @@ void check_entry_size(const NumberEntry& entry, const std::string& key, const st
 /// One `key<separator>numbers` a line, as KITTI (':') and Middlebury ('=') write them.
 void parse_lines(const std::string& text, char separator, NumberTable& table) {
   std::istringstream lines(text);
+  NumberEntry* last = nullptr;
   for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('#')) continue;
     const auto at = line.find(separator);
-    if (at == std::string::npos) continue;
+    if (at == std::string::npos) {
+      // Rows of a matrix may go on below their key.
+      NumberEntry rest;
+      append_words(rest, line);
+      if (last != nullptr && rest.not_a_number.empty())
+        last->numbers.insert(last->numbers.end(), rest.numbers.begin(), rest.numbers.end());
+      continue;
+    }
     const auto first = line.find_first_not_of(" \t");
-    const auto last = line.find_last_not_of(" \t", at == 0 ? 0 : at - 1);
+    const auto end = line.find_last_not_of(" \t", at == 0 ? 0 : at - 1);
     if (first >= at) continue;
-    const std::string key = line.substr(first, last + 1 - first);
+    const std::string key = line.substr(first, end + 1 - first);
     if (table.has(key)) throw InputError(table.source, key, "stands in the file twice");
-    append_words(table.entries[key], line.substr(at + 1));
+    last = &table.entries[key];
+    append_words(*last, line.substr(at + 1));
   }
 }
 
@@ -77,8 +88,14 @@ bool has_middlebury_line(const std::string& text) {
 /// Whether some line reads `P0: number number` or `P_rect_00: number number`: a bare row of numbers is no YAML idiom.
 bool has_kitti_line(const std::string& text) {
   std::istringstream lines(text);
+  bool follows_bare_key = false;
   for (std::string line; std::getline(lines, line);) {
     std::string_view rest = line;
+    if (std::exchange(follows_bare_key, false)) {
+      NumberEntry row;
+      append_words(row, line);
+      if (row.numbers.size() > 1 && row.not_a_number.empty() && !rest.starts_with('[')) return true;
+    }
     if (!rest.starts_with('P')) continue;
     rest.remove_prefix(rest.starts_with("P_rect_") ? 7 : 1);
     const auto colon = rest.find_first_not_of("0123456789");
@@ -86,6 +103,7 @@ bool has_kitti_line(const std::string& text) {
     NumberEntry entry;
     append_words(entry, std::string(rest.substr(colon + 1)));
     if (entry.numbers.size() > 1 && rest.find('[') == std::string_view::npos) return true;
+    follows_bare_key = rest.find_first_not_of(" \t\r", colon + 1) == std::string_view::npos;
   }
   return false;
 }
@@ -195,6 +213,8 @@ NumberTable parse_number_table(const std::string& text, const std::string& sourc
   return table;
 }
 
-NumberTable read_number_table(const std::string& path) { return parse_number_table(read_file(path, kMaxBytes), path); }
+NumberTable read_number_table(const std::string& path) {
+  return parse_number_table(plain_text(read_file(path, kMaxBytes)), path);
+}
 
 }  // namespace flies

@@ -42,11 +42,18 @@ Rectifier::Rectifier(const RawStereo& raw, const std::string& source) : source_(
   auto maps = std::make_shared<Maps>();
   cv::Mat r1, r2, p1, p2, q;
   try {
-    constexpr double kOnlyValidPixels = 0.0;
-    cv::stereoRectify(m1, d1, m2, d2, size, matrix(raw.rotation, 3), matrix(raw.translation_m, 3), r1, r2, p1, p2, q,
-                      cv::CALIB_ZERO_DISPARITY, kOnlyValidPixels, size);
-    cv::initUndistortRectifyMap(m1, d1, r1, p1, size, CV_16SC2, maps->left.columns, maps->left.rows);
-    cv::initUndistortRectifyMap(m2, d2, r2, p2, size, CV_16SC2, maps->right.columns, maps->right.rows);
+    if (raw.is_fisheye) {
+      cv::fisheye::stereoRectify(m1, d1, m2, d2, size, matrix(raw.rotation, 3), matrix(raw.translation_m, 3), r1, r2,
+                                 p1, p2, q, cv::CALIB_ZERO_DISPARITY, size);
+      cv::fisheye::initUndistortRectifyMap(m1, d1, r1, p1, size, CV_16SC2, maps->left.columns, maps->left.rows);
+      cv::fisheye::initUndistortRectifyMap(m2, d2, r2, p2, size, CV_16SC2, maps->right.columns, maps->right.rows);
+    } else {
+      constexpr double kOnlyValidPixels = 0.0;
+      cv::stereoRectify(m1, d1, m2, d2, size, matrix(raw.rotation, 3), matrix(raw.translation_m, 3), r1, r2, p1, p2, q,
+                        cv::CALIB_ZERO_DISPARITY, kOnlyValidPixels, size);
+      cv::initUndistortRectifyMap(m1, d1, r1, p1, size, CV_16SC2, maps->left.columns, maps->left.rows);
+      cv::initUndistortRectifyMap(m2, d2, r2, p2, size, CV_16SC2, maps->right.columns, maps->right.rows);
+    }
   } catch (const cv::Exception& error) {
     throw InputError(source, "M1 D1 M2 D2 R T", fmt::format("no rectification exists ({})", error.err));
   }

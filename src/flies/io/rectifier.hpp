@@ -17,6 +17,7 @@ struct RawStereo {
   std::array<double, 9> left_intrinsics{}, right_intrinsics{};  ///< M1, M2: 3 x 3, row by row, pixels
   std::vector<double> left_distortion, right_distortion;        ///< D1, D2: 4, 5, 8, 12 or 14 coefficients
   std::array<double, 9> rotation{};                             ///< R: right_from_left, 3 x 3, row by row
+  bool is_fisheye = false;  ///< OpenCV's fisheye (equidistant) model with 4 coefficients; otherwise its pinhole one
   std::array<double, 3> translation_m{};  ///< T: right_from_left; its x is negative when the right camera is right
 };
 

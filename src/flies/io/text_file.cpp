@@ -7,10 +7,64 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 
 #include "flies/core/error.hpp"
 
 namespace flies {
+namespace {
+
+/// @param high index of the high byte in a unit: 0 big-endian, 1 little-endian. Halves of surrogate pairs become '?':
+///             no calibration has any.
+std::string utf8_of_utf16(std::string_view bytes, std::size_t high) {
+  std::string text;
+  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
+    const auto unit = static_cast<unsigned>(static_cast<unsigned char>(bytes[i + high]) << 8 |
+                                            static_cast<unsigned char>(bytes[i + 1 - high]));
+    if (unit < 0x80) {
+      text += static_cast<char>(unit);
+    } else if (unit < 0x800) {
+      text += static_cast<char>(0xC0 | unit >> 6);
+      text += static_cast<char>(0x80 | (unit & 0x3F));
+    } else if (unit >= 0xD800 && unit < 0xE000) {
+      text += '?';
+    } else {
+      text += static_cast<char>(0xE0 | unit >> 12);
+      text += static_cast<char>(0x80 | (unit >> 6 & 0x3F));
+      text += static_cast<char>(0x80 | (unit & 0x3F));
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string plain_text(const std::string& bytes) {
+  constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF", kLittleMark = "\xFF\xFE", kBigMark = "\xFE\xFF";
+  const std::string_view view = bytes;
+  std::string text;
+  if (view.starts_with(kUtf8Mark))
+    text = view.substr(kUtf8Mark.size());
+  else if (view.starts_with(kLittleMark))
+    text = utf8_of_utf16(view.substr(kLittleMark.size()), 1);
+  else if (view.starts_with(kBigMark))
+    text = utf8_of_utf16(view.substr(kBigMark.size()), 0);
+  else if (view.size() > 1 && view[0] != '\0' && view[1] == '\0')
+    text = utf8_of_utf16(view, 1);
+  else if (view.size() > 1 && view[0] == '\0' && view[1] != '\0')
+    text = utf8_of_utf16(view, 0);
+  else
+    text = bytes;
+  std::string lines;
+  lines.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '\r')
+      lines += text[i];
+    else if (i + 1 == text.size() || text[i + 1] != '\n')
+      lines += '\n';
+  }
+  return lines;
+}
 
 std::string read_file(const std::string& path, std::size_t max_bytes) {
   std::error_code ignored;

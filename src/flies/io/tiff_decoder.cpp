@@ -15,6 +15,7 @@ namespace {
 struct Source {
   std::string_view bytes;
   std::size_t at = 0;
+  bool has_bad_jpeg = false;  ///< libjpeg inside of libtiff fills what is missing with grey and only warns
 };
 
 Source& source_of(thandle_t handle) { return *static_cast<Source*>(handle); }
@@ -39,6 +40,11 @@ toff_t seek(thandle_t handle, toff_t offset, int whence) {
 
 int close_nothing(thandle_t) { return 0; }
 toff_t size_of(thandle_t handle) { return source_of(handle).bytes.size(); }
+int note_bad_jpeg(TIFF*, void* source, const char* module, const char*, va_list) {
+  if (module != nullptr && std::strstr(module, "JPEG") != nullptr) static_cast<Source*>(source)->has_bad_jpeg = true;
+  return 1;
+}
+
 int be_silent(TIFF*, void*, const char*, const char*, va_list) { return 1; }
 
 using File = std::unique_ptr<TIFF, decltype(&TIFFClose)>;
@@ -47,7 +53,7 @@ File open_file(Source& source) {
   const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(TIFFOpenOptionsAlloc(),
                                                                                  &TIFFOpenOptionsFree);
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), be_silent, nullptr);
-  TIFFOpenOptionsSetWarningHandlerExtR(options.get(), be_silent, nullptr);
+  TIFFOpenOptionsSetWarningHandlerExtR(options.get(), note_bad_jpeg, &source);
   return {TIFFClientOpenExt("image", "rm", &source, read_bytes, write_nothing, seek, close_nothing, size_of, nullptr,
                             nullptr, options.get()),
           &TIFFClose};
@@ -150,7 +156,8 @@ cv::Mat decode_tiff(std::string_view bytes) {
   if (layout.width == 0 || layout.height == 0 || static_cast<double>(layout.width) * layout.height > kMaxPixels)
     return {};
   const int depth = depth_of(layout);
-  return depth >= 0 ? plain_samples(file.get(), layout, depth) : converted_samples(file.get(), layout);
+  const cv::Mat image = depth >= 0 ? plain_samples(file.get(), layout, depth) : converted_samples(file.get(), layout);
+  return source.has_bad_jpeg ? cv::Mat() : image;
 }
 
 }  // namespace flies::detail

@@ -1,0 +1,185 @@
+#include "flies/io/plausible.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "flies/core/error.hpp"
+
+namespace flies::detail {
+namespace {
+
+/// From the narrowest pair of lenses in one housing to the widest bar on a vehicle. Between probable and possible lie
+/// endoscopes and aircraft.
+constexpr double kLeastBaseline_m = 0.005, kProbableBaseline_m = 0.015;
+constexpr double kMostBaseline_m = 10.0, kProbableMostBaseline_m = 3.0;
+/// What a wrong unit is guessed towards.
+constexpr double kLikelyBaseline_m = 0.03, kLikelyMostBaseline_m = 1.5;
+
+/// Focal length over image width. A rectified image of 157 degrees has most of its pixels at its rim; telescopes see
+/// less than 3 degrees.
+constexpr double kLeastFocal = 0.1, kProbableFocal = 0.233, kProbableMostFocal = 5.7, kMostFocal = 20.0;
+
+constexpr double kProbableAspect = 1.1, kMostAspect = 5.0;
+/// Distance of the principal point from the middle over the image size. Lenses are centred to a few hundredths.
+constexpr double kProbableOffset = 0.07;
+constexpr double kFarOffset = 0.15;
+/// Sizes that a file leaves out show in the principal point: this much off in both directions is another size.
+constexpr double kResized = 0.15;
+
+struct Unit {
+  const char* name;
+  double metres;
+};
+
+std::string likely_units(double baseline, double focal_px) {
+  std::string guesses;
+  const auto guess = [&](const std::string& name, double baseline_m) {
+    if (baseline_m >= kLikelyBaseline_m && baseline_m <= kLikelyMostBaseline_m)
+      guesses += fmt::format("{}{} ({:.3g} m)", guesses.empty() ? "is it in " : " or ", name, baseline_m);
+  };
+  for (const auto& [name, metres] : {Unit{"millimetres", 1e-3}, Unit{"centimetres", 1e-2}, Unit{"inches", 0.0254},
+                                     Unit{"decimetres", 0.1}, Unit{"kilometres", 1e3}})
+    guess(name, baseline * metres);
+  guess("metres where the projection matrix wants focal length times metres", baseline * focal_px);
+  return guesses.empty() ? "is the unit that of the board's squares?" : guesses + ", or in squares of the board?";
+}
+
+void check_baseline(const StereoCamera& camera, const std::string& source, std::vector<std::string>& notes) {
+  const double found = camera.baseline_m;
+  if (found < kLeastBaseline_m || found > kMostBaseline_m)
+    throw InputError(source, "baseline",
+                     fmt::format("found {:.4g} m, expected {} to {} m: {}", found, kLeastBaseline_m, kMostBaseline_m,
+                                 likely_units(found, camera.fx_px)));
+  if (found < kProbableBaseline_m || found > kProbableMostBaseline_m)
+    notes.push_back(
+        fmt::format("a baseline of {:.4g} m is hardly one of a stereo camera, and all ranges grow with it: {}", found,
+                    likely_units(found, camera.fx_px)));
+}
+
+void check_focal_length(const StereoCamera& camera, const std::string& source, std::vector<std::string>& notes) {
+  // A file without a size still has a principal point near the middle.
+  const double width_px = camera.width_px > 0 ? camera.width_px : 2.0 * camera.cx_px;
+  if (width_px > 0.0) {
+    const double share = camera.fx_px / width_px, angle_deg = degrees(2.0 * std::atan(0.5 / share));
+    const auto found = fmt::format("{:.4g} px for images of {:.0f} px across, a field of view of {:.3g} degrees",
+                                   camera.fx_px, width_px, angle_deg);
+    if (share < kLeastFocal)
+      throw InputError(source, "focal length",
+                       fmt::format("found {}: is it in millimetres, or normalised by the image "
+                                   "size? expected pixels",
+                                   found));
+    if (share > kMostFocal)
+      throw InputError(source, "focal length", fmt::format("found {}: is it in micrometres? expected pixels", found));
+    if (share < kProbableFocal || share > kProbableMostFocal)
+      notes.push_back(fmt::format("the focal length is {}: check its unit and the size of the images", found));
+  }
+  const double aspect = camera.fx_px / camera.fy_px;
+  if (aspect > kMostAspect || aspect < 1.0 / kMostAspect)
+    throw InputError(source, "focal length",
+                     fmt::format("found {:.4g} px across and {:.4g} px down, expected much the "
+                                 "same: are both in pixels?",
+                                 camera.fx_px, camera.fy_px));
+  if (aspect > kProbableAspect || aspect < 1.0 / kProbableAspect)
+    notes.push_back(
+        fmt::format("the focal length across is {:.3g} times that down ({:.4g} and {:.4g} px), pixels are "
+                    "square in nearly all cameras: check whether the images were stretched",
+                    aspect, camera.fx_px, camera.fy_px));
+}
+
+double offset(double centre_px, int size_px) { return std::abs(centre_px / size_px - 0.5); }
+
+void check_principal_point(const StereoCamera& camera, const std::string& source, std::vector<std::string>& notes) {
+  if (camera.width_px <= 0 || camera.height_px <= 0) return;
+  const double across = offset(camera.cx_px, camera.width_px), down = offset(camera.cy_px, camera.height_px);
+  const auto found = fmt::format("({:.1f}, {:.1f}) px in images of {} x {} px", camera.cx_px, camera.cy_px,
+                                 camera.width_px, camera.height_px);
+  const bool fits_swapped = offset(camera.cy_px, camera.width_px) < kProbableOffset &&
+                            offset(camera.cx_px, camera.height_px) < kProbableOffset;
+  if (fits_swapped && std::max(across, down) > kFarOffset)
+    throw InputError(source, "principal point", fmt::format("found {}: cx and cy are swapped", found));
+  if (std::max(across, down) > kProbableOffset)
+    notes.push_back(
+        fmt::format("the principal point {} is far from the middle: were the images cropped or resized "
+                    "after the calibration?",
+                    found));
+  if (std::abs(camera.cx_px - camera.cx_right_px) > kFarOffset * camera.width_px)
+    notes.push_back(fmt::format("the principal points of left and right are {:.0f} px apart: check both",
+                                std::abs(camera.cx_px - camera.cx_right_px)));
+}
+
+}  // namespace
+
+std::vector<std::string> check_plausible(const StereoCamera& camera, const std::string& source) {
+  std::vector<std::string> notes;
+  check_baseline(camera, source, notes);
+  check_focal_length(camera, source, notes);
+  check_principal_point(camera, source, notes);
+  return notes;
+}
+
+void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_px, const std::string& source) {
+  const double across = width_px / (2.0 * camera.cx_px), down = height_px / (2.0 * camera.cy_px);
+  const bool is_smaller = across < 1.0 - kResized && down < 1.0 - kResized;
+  const bool is_larger = across > 1.0 / (1.0 - kResized) && down > 1.0 / (1.0 - kResized);
+  if ((is_smaller || is_larger) && std::abs(across / down - 1.0) < kResized)
+    throw InputError(
+        source, "image size",
+        fmt::format("is not in the file, and its principal point ({:.1f}, {:.1f}) px is that of images of "
+                    "about {:.0f} x {:.0f} px, not of {} x {} px: were they resized? Give the size that "
+                    "the calibration is for with --calib-size",
+                    camera.cx_px, camera.cy_px, 2.0 * camera.cx_px, 2.0 * camera.cy_px, width_px, height_px));
+}
+
+std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px) {
+  if (from_width_px <= 0 || from_height_px <= 0 || to_width_px <= 0 || to_height_px <= 0) return std::nullopt;
+  // Half a pixel of rounding in either size, and a tool that rounds down.
+  const double across = static_cast<double>(to_width_px) / from_width_px;
+  const double down = static_cast<double>(to_height_px) / from_height_px;
+  const double slack = 1.0 / from_width_px + 1.0 / from_height_px;
+  if (std::abs(across - down) > slack) return std::nullopt;
+  return across;
+}
+
+StereoCamera scaled_camera(StereoCamera camera, double scale, int width_px, int height_px) {
+  camera.fx_px *= scale;
+  camera.fy_px *= scale;
+  camera.cx_px = scaled_centre_px(camera.cx_px, scale);
+  camera.cx_right_px = scaled_centre_px(camera.cx_right_px, scale);
+  camera.cy_px = scaled_centre_px(camera.cy_px, scale);
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  return camera;
+}
+
+void check_camera_matrix(const std::array<double, 9>& m, const std::string& source, const std::string& key) {
+  constexpr double kZero = 1e-6;  // relative to the focal length
+  const double zero = kZero * std::abs(m[0]);
+  if (std::abs(m[2]) <= zero && std::abs(m[5]) <= zero && m[6] > 1.0 && m[7] > 1.0)
+    throw InputError(source, key, "is transposed, as MATLAB writes it, expected fx 0 cx, 0 fy cy, 0 0 1");
+  if (!(m[0] > 0.0) || !(m[4] > 0.0))
+    throw InputError(source, key,
+                     fmt::format("found focal lengths {:.6g} and {:.6g}, expected positive ones", m[0], m[4]));
+  if (std::abs(m[3]) > zero || std::abs(m[6]) > kZero || std::abs(m[7]) > kZero || std::abs(m[8] - 1.0) > kZero)
+    throw InputError(source, key, "is no camera matrix, expected fx 0 cx, 0 fy cy, 0 0 1");
+}
+
+void check_rotation(const std::array<double, 9>& r, const std::string& source, const std::string& key) {
+  constexpr double kRounding = 1e-3;  // of files that keep four digits
+  const auto dot = [&](std::size_t a, std::size_t b) {
+    return r[3 * a] * r[3 * b] + r[3 * a + 1] * r[3 * b + 1] + r[3 * a + 2] * r[3 * b + 2];
+  };
+  double fault = 0.0;
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < 3; ++b) fault = std::max(fault, std::abs(dot(a, b) - (a == b ? 1.0 : 0.0)));
+  const double determinant =
+      r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) + r[2] * (r[3] * r[7] - r[4] * r[6]);
+  if (fault > kRounding || determinant < 0.0)
+    throw InputError(source, key,
+                     fmt::format("is no rotation (its rows miss being orthonormal by {:.3g}, determinant {:.3g})",
+                                 fault, determinant));
+}
+
+}  // namespace flies::detail

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "flies/core/stereo_camera.hpp"
+
+namespace flies::detail {
+
+/// What no stereo camera can be is refused, what hardly one is becomes a note that says what to check.
+/// @param camera numbers as `check_camera` allows them
+/// @returns sentences on what is improbable
+/// @throws InputError naming field, value and the likely unit
+std::vector<std::string> check_plausible(const StereoCamera& camera, const std::string& source);
+
+/// A file without a size still has a principal point near the middle of its images.
+/// @throws InputError when that tells that the images were resized by one scale
+void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_px, const std::string& source);
+
+/// The one scale between two sizes, within the rounding of a pixel; nothing when none fits.
+std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px);
+
+/// The camera after its images were resized by `scale` to this size.
+StereoCamera scaled_camera(StereoCamera camera, double scale, int width_px, int height_px);
+
+/// A coordinate of a pixel grid that was resized: centres of pixels lie at whole numbers.
+inline double scaled_centre_px(double centre_px, double scale) { return (centre_px + 0.5) * scale - 0.5; }
+
+/// A 3 x 3 camera matrix: fx 0 cx, 0 fy cy, 0 0 1. @throws InputError, naming the transposed one of MATLAB
+void check_camera_matrix(const std::array<double, 9>& m, const std::string& source, const std::string& key);
+
+/// @throws InputError unless the rows are orthonormal and right-handed
+void check_rotation(const std::array<double, 9>& r, const std::string& source, const std::string& key);
+
+}  // namespace flies::detail

@@ -1,0 +1,128 @@
+#include "flies/io/plausible.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "flies/io/calibration.hpp"
+#include "flies/io/number_table.hpp"
+#include "flies/io/temporary_folder.hpp"
+#include "flies/io/text_file.hpp"
+
+namespace flies::detail {
+namespace {
+
+using flies::testing::error_of;
+using flies::testing::TemporaryFolder;
+using ::testing::HasSubstr;
+
+constexpr StereoCamera kCamera{721.5, 721.5, 609.6, 609.6, 172.9, 0.54, 1242, 375, {}};
+
+StereoCamera with(double StereoCamera::*member, double value) {
+  StereoCamera camera = kCamera;
+  camera.*member = value;
+  return camera;
+}
+
+std::string fault_of(const StereoCamera& camera) {
+  return error_of([&] { check_plausible(camera, "calib"); });
+}
+
+std::string note_of(const StereoCamera& camera) {
+  const auto notes = check_plausible(camera, "calib");
+  return notes.empty() ? "" : notes.front();
+}
+
+TEST(CheckPlausible, SaysNothingOfAGoodCamera) { EXPECT_THAT(check_plausible(kCamera, "calib"), ::testing::IsEmpty()); }
+
+TEST(CheckPlausible, NamesTheLikelyUnitOfTheBaseline) {
+  const auto baseline = [](double found) { return with(&StereoCamera::baseline_m, found); };
+  EXPECT_THAT(fault_of(baseline(540.0)), HasSubstr("millimetres (0.54 m)"));
+  EXPECT_THAT(fault_of(baseline(54.0)), HasSubstr("centimetres (0.54 m)"));
+  EXPECT_THAT(fault_of(baseline(21.26)), HasSubstr("inches (0.54 m)"));
+  EXPECT_THAT(note_of(baseline(5.4)), HasSubstr("decimetres (0.54 m)"));
+  EXPECT_THAT(fault_of(baseline(0.00054)), HasSubstr("kilometres (0.54 m)"));
+  EXPECT_THAT(fault_of(baseline(0.54 / 721.5)), HasSubstr("focal length times metres (0.54 m)"));
+}
+
+TEST(CheckPlausible, RefusesAFocalLengthInAnotherUnit) {
+  StereoCamera camera = kCamera;
+  camera.fx_px = camera.fy_px = 4.0;
+  EXPECT_THAT(fault_of(camera), HasSubstr("is it in millimetres, or normalised"));
+  camera.fx_px = camera.fy_px = 0.58;
+  EXPECT_THAT(fault_of(camera), HasSubstr("is it in millimetres, or normalised"));
+  camera.width_px = camera.height_px = 0;
+  EXPECT_THAT(fault_of(camera), HasSubstr("is it in millimetres, or normalised"));
+}
+
+TEST(CheckPlausible, NotesPixelsThatAreNotSquare) {
+  EXPECT_THAT(note_of(with(&StereoCamera::fy_px, 360.75)), HasSubstr("2 times that down"));
+}
+
+TEST(CheckPlausible, TellsAPrincipalPointFarFromTheMiddle) {
+  EXPECT_THAT(note_of(with(&StereoCamera::cy_px, 250.0)), HasSubstr("cropped or resized"));
+  StereoCamera swapped = kCamera;
+  swapped.cx_px = swapped.cx_right_px = kCamera.cy_px;
+  swapped.cy_px = kCamera.cx_px;
+  EXPECT_THAT(fault_of(swapped), HasSubstr("cx and cy are swapped"));
+}
+
+TEST(CheckSizeOfUnsized, RefusesHalfTheSizeAndTakesTheWhole) {
+  EXPECT_THAT(error_of([] { check_size_of_unsized(kCamera, 621, 187, "calib"); }), HasSubstr("--calib-size"));
+  EXPECT_EQ(error_of([] { check_size_of_unsized(kCamera, 1242, 375, "calib"); }), "no error");
+}
+
+TEST(OneScale, FitsHalfTheSizeAndNotAStretchedOne) {
+  EXPECT_NEAR(one_scale(1242, 375, 621, 187).value_or(0.0), 0.5, 1e-9);
+  EXPECT_FALSE(one_scale(1242, 375, 1024, 320));
+  EXPECT_FALSE(one_scale(1242, 375, 1242, 300));
+}
+
+TEST(ScaledCamera, KeepsThePixelsUnderTheirRays) {
+  const auto half = scaled_camera(kCamera, 0.5, 621, 187);
+  EXPECT_DOUBLE_EQ(half.fx_px, 360.75);
+  // The first pixel of the half picture covers columns 0 and 1 of the whole one, whose middle is 0.5.
+  EXPECT_DOUBLE_EQ((0.0 - half.cx_px) / half.fx_px, (0.5 - kCamera.cx_px) / kCamera.fx_px);
+}
+
+TEST(CheckCameraMatrix, NamesTheTransposedOne) {
+  EXPECT_THAT(error_of([] {
+                check_camera_matrix({700, 0, 0, 0, 702, 0, 600, 180, 1}, "calib", "M1");
+              }),
+              HasSubstr("transposed"));
+  EXPECT_EQ(error_of([] { check_camera_matrix({700, 0, 600, 0, 702, 180, 0, 0, 1}, "calib", "M1"); }), "no error");
+}
+
+TEST(CheckRotation, RefusesWhatIsNone) {
+  EXPECT_THAT(error_of([] { check_rotation({1, 1, 1, 1, 1, 1, 1, 1, 1}, "calib", "R"); }), HasSubstr("no rotation"));
+  EXPECT_THAT(error_of([] { check_rotation({1, 0, 0, 0, 1, 0, 0, 0, -1}, "calib", "R"); }), HasSubstr("no rotation"));
+  EXPECT_EQ(error_of([] { check_rotation({1, 0, 0, 0, 1, 0, 0, 0, 1}, "calib", "R"); }), "no error");
+}
+
+TEST(PlainText, DropsMarksAndReadsUtf16) {
+  using namespace std::string_literals;
+  EXPECT_EQ(plain_text("\xEF\xBB\xBF"s + "a\r\nb"), "a\nb");
+  EXPECT_EQ(plain_text("\xFF\xFE"s + "a\0\n\0"s), "a\n");
+  EXPECT_EQ(plain_text("\xFE\xFF"s + "\0a"s), "a");
+  EXPECT_EQ(plain_text("a\0b\0"s), "ab");
+}
+
+TEST(ParseNumberTable, TakesRowsThatGoOnBelowTheirKey) {
+  const auto table = parse_number_table("P0: \n1 2 3\n-4 5 6\nP1:\n7 8\n", "calib");
+  EXPECT_THAT(table.require("P0"), ::testing::ElementsAre(1, 2, 3, -4, 5, 6));
+  EXPECT_THAT(table.require("P1"), ::testing::ElementsAre(7, 8));
+}
+
+TEST(LoadCalibration, ScalesToImagesOfOneScale) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("camera.yaml", calibration_yaml(kCamera));
+  CalibrationRequest request;
+  request.width_px = 621;
+  request.height_px = 187;
+  const auto calibration = load_calibration(path, request);
+  EXPECT_DOUBLE_EQ(calibration.camera.fx_px, 360.75);
+  EXPECT_EQ(calibration.camera.width_px, 621);
+  EXPECT_THAT(calibration.notes, ::testing::Contains(HasSubstr("scaled by 0.5")));
+}
+
+}  // namespace
+}  // namespace flies::detail
