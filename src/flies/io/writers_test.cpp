@@ -91,8 +91,9 @@ TEST(JsonLine, HoldsTheScanBeforeTheTimes) {
 }
 
 TEST(JsonLine, LeavesAnEmptyScanOut) {
-  EXPECT_THAT(json_line(example()), Not(HasSubstr("scan")));
-  EXPECT_THAT(json_line(example()), Not(HasSubstr("free_space")));
+  const Json json = Json::parse(json_line(example()));  // a stage is called scan, too
+  EXPECT_FALSE(json.contains("scan"));
+  EXPECT_FALSE(json.contains("free_space"));
 }
 
 TEST(JsonLine, HoldsEmptyListsWhenNothingWasFound) {
