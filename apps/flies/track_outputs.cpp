@@ -79,6 +79,7 @@ std::string track_json_line(const TrackedFrame& frame) {
                                   .preset = frame.preset,
                                   .obstacles = tracking.detection.obstacles,
                                   .pedestrians = tracking.detection.pedestrians,
+                                  .scan = tracking.detection.scan,
                                   .stage_ms = tracking.detection.stage_ms};
   Json object = Json::parse(flies::json_line(record));
   object["time_s"] = rounded(tracking.time_s, 1e6);

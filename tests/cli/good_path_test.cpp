@@ -132,7 +132,9 @@ TEST_F(Detect, WritesTheSameScanAsJsonAndAsCsv) {
     EXPECT_EQ(fields[3].front(), states[i]);
     const json& range_m = scan.at("ranges_m")[i];
     EXPECT_EQ(fields[4].empty(), range_m.is_null());
-    if (!range_m.is_null()) EXPECT_NEAR(std::stod(fields[4]), range_m.get<double>(), 1e-9);
+    if (!range_m.is_null()) {
+      EXPECT_NEAR(std::stod(fields[4]), range_m.get<double>(), 1e-9);
+    }
   }
 }
 
