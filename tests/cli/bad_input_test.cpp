@@ -268,7 +268,7 @@ std::vector<BadInput> bad_inputs() {
                       "--camera-height", "1.65",     "--csv",     "/dev/full"};
        },
        {"/dev/full", "No space left"}},
-      {"FileSizeLimit", [](const fs::path&) { return detect(); }, {"out.png", "File too large"}, "ulimit -f 8;"},
+      {"FileSizeLimit", [](const fs::path&) { return detect(); }, {"out.png", "File too large"}, "ulimit -f 64;"},
       {"TwoOutputsOneFile", with_words({"--csv", "out.jsonl"}), {"out.jsonl", "--csv", "--json"}},
       {"TwoOutputsOneFileSpelledDifferently", with_words({"--csv", "./l/../out.jsonl"}), {"--csv"}},
       {"TwoOutputsOnStandardOutput",

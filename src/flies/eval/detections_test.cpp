@@ -56,20 +56,20 @@ TEST(ParseDetections, ReadsWhatFliesDetectWrites) {
   person.probability = 0.75;
   person.box = {1, 2, 30, 60};
   record.pedestrians = {person};
-  record.stage_ms = {1.0, 20.0, 3.0, 100.0, 100.0};
+  record.stage_ms = {1.0, 20.0, 2.0, 3.0, 100.0, 100.0};
   const auto frames = parse_detections(json_line(record) + "\n" + json_line(record), "d.jsonl");
   ASSERT_EQ(frames.size(), 2u);
   EXPECT_EQ(frames[1].line, 3);  // an empty line lies between
   EXPECT_EQ(frames[0].frame, 3);
   EXPECT_EQ(frames[0].left, "left/07.png");
-  EXPECT_EQ(frames[0].time_ms, 24.0);  // without proposing and classifying
+  EXPECT_EQ(frames[0].time_ms, 26.0);  // without proposing and classifying
   ASSERT_EQ(frames[0].obstacles.size(), 1u);
   EXPECT_EQ(frames[0].obstacles[0].x_m, 8);
   EXPECT_EQ(frames[0].obstacles[0].y_m, 6);
   EXPECT_EQ(frames[0].obstacles[0].range_m, 10);
   EXPECT_EQ(frames[0].obstacles[0].width_m, 1.5);
   EXPECT_EQ(frames[0].obstacles[0].height_m, 1.75);
-  EXPECT_EQ(frames[0].people_time_ms, 224.0);
+  EXPECT_EQ(frames[0].people_time_ms, 226.0);
   ASSERT_TRUE(frames[0].pedestrians && frames[0].pedestrians->size() == 1);
   const Pedestrian& read = frames[0].pedestrians->front();
   EXPECT_EQ(read.range_m, 13);

@@ -201,7 +201,8 @@ Method flies_method(const std::string& name, const DetectorOptions& options, int
       PeopleFindings people{find_people(frame.images.left.view(), d.rois, *classifier, for_curve).pedestrians,
                             std::accumulate(d.stage_ms.begin(), d.stage_ms.end(), 0.0)};
       return Findings{d.obstacles,
-                      stage_ms(d, Stage::road) + stage_ms(d, Stage::evolve) + stage_ms(d, Stage::concentrate),
+                      stage_ms(d, Stage::road) + stage_ms(d, Stage::evolve) + stage_ms(d, Stage::scan) +
+                          stage_ms(d, Stage::concentrate),
                       static_cast<double>(d.evolved.evaluations), std::move(people), scan_findings(d.scan)};
     });
   }

@@ -5,7 +5,7 @@
 
 namespace flies {
 
-const std::vector<int>& find_best_path(const LabelCosts& costs, const EvidenceOptions& options, PathMemory& memory) {
+std::vector<int>& find_best_path(const LabelCosts& costs, const EvidenceOptions& options, PathMemory& memory) {
   const auto labels = static_cast<std::size_t>(costs.labels), none = labels - 1;
   const auto columns = static_cast<std::size_t>(costs.columns);
   auto& [before, now, origin, step, label] = memory;

@@ -25,6 +25,6 @@ struct PathMemory {
 /// The cheapest choice of a label for each column: the sum of their costs and of the steps between neighbours, which
 /// cost `slant` a pixel of disparity, at most `jump`, and `end` to and from no obstacle. Exact (dynamic programming).
 /// @returns one label a column, in `memory`
-const std::vector<int>& find_best_path(const LabelCosts& costs, const EvidenceOptions& options, PathMemory& memory);
+std::vector<int>& find_best_path(const LabelCosts& costs, const EvidenceOptions& options, PathMemory& memory);
 
 }  // namespace flies

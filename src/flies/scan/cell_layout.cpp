@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "flies/core/parabola.hpp"
 
@@ -18,6 +19,10 @@ constexpr double kBelowRoad_px = 3.0;
 /// ones lie outside of the right image, those of the next cell do, too, and more choice is needed.
 constexpr int kMinChoice = 6, kMinChoiceAtTheEdge = 32;
 
+/// A cell with less contrast of its own than this, half a grey level of gradient a pixel, takes its disparity from its
+/// neighbours and proves nothing.
+constexpr int kMinContrast = 16;
+
 /// More disparities than any camera in use has between its nearest and its farthest place.
 constexpr int kMaxDisparities = 1024;
 
@@ -31,6 +36,15 @@ int top_row(const RectifiedPair& pair, const Projection& projection, const RoadP
     top = std::min(top, projection.project({beside.x_m, beside.y_m, road.z_m(beside.x_m, beside.y_m) + top_m}).v_px);
   }
   return std::max(1, static_cast<int>(std::min(top, 1e6)));
+}
+
+/// Grey levels of clipped gradient in a cell, summed.
+int contrast(const std::uint8_t* cell, std::size_t stride, int flat) {
+  int sum = 0;
+  for (int row = 0; row < kernels::kCellRows; ++row)
+    for (int i = 0; i < kernels::kCellColumns; ++i)
+      sum += std::abs(cell[static_cast<std::size_t>(row) * stride + static_cast<std::size_t>(i)] - flat);
+  return sum;
 }
 
 }  // namespace
@@ -72,8 +86,13 @@ void lay_out_cells(const RectifiedPair& pair, const Projection& projection, cons
   }
 }
 
-void read_points(const CellLayout& layout, const std::vector<kernels::CellMatch>& matches, double offset_px,
-                 const CellOptions& options, std::vector<CellPoint>& points) {
+void read_points(const CellLayout& layout, const std::vector<kernels::CellMatch>& matches,
+                 std::span<const std::uint8_t> gradients, double offset_px, const CellOptions& options,
+                 std::vector<CellPoint>& points) {
+  const std::size_t stride =
+      gradients.size() /
+      std::max<std::size_t>(
+          1, matches.size() / static_cast<std::size_t>(std::max(1, layout.columns)) * kernels::kCellRows);
   points.resize(matches.size());
   for (std::size_t i = 0; i < matches.size(); ++i) {
     const auto& match = matches[i];
@@ -91,7 +110,11 @@ void read_points(const CellLayout& layout, const std::vector<kernels::CellMatch>
     // What one step of a path costs tells the disparities of a plain surface apart, which proves nothing.
     const double margin =
         static_cast<double>(match.second - match.cost - options.slant_upward) / options.certain_margin;
-    points[i].certainty = has_choice ? static_cast<float>(std::clamp(margin, 0.0, 1.0)) : 0.0F;
+    const std::uint8_t* cell = gradients.data() + static_cast<std::size_t>(band) * kernels::kCellRows * stride +
+                               static_cast<std::size_t>(column) * kernels::kCellColumns;
+    points[i].certainty = has_choice && contrast(cell, stride, options.max_gradient) >= kMinContrast
+                              ? static_cast<float>(std::clamp(margin, 0.0, 1.0))
+                              : 0.0F;
   }
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "flies/core/gray_view.hpp"
@@ -40,8 +42,11 @@ struct CellPoint {
   float certainty = 0.0F;     ///< 0..1, how much it is to be believed
 };
 
-/// Reads points off matches, one a cell. A cell whose costs are all alike has no certainty.
-void read_points(const CellLayout& layout, const std::vector<kernels::CellMatch>& matches, double offset_px,
-                 const CellOptions& options, std::vector<CellPoint>& points);
+/// Reads points off matches, one a cell. A cell whose costs are all alike has no certainty, nor has one without
+/// contrast.
+/// @param gradients of the left image, as `match_cells` leaves them in its memory
+void read_points(const CellLayout& layout, const std::vector<kernels::CellMatch>& matches,
+                 std::span<const std::uint8_t> gradients, double offset_px, const CellOptions& options,
+                 std::vector<CellPoint>& points);
 
 }  // namespace flies

@@ -68,7 +68,7 @@ void Evidence::collect(const CellLayout& layout, std::span<const CellPoint> poin
       const std::size_t i = layout.cell(band, column);
       if (points[i].certainty > 0.0F) add(column, {points[i].parallax_px, layout.road_px[i], points[i].certainty});
     }
-  for (std::size_t i = 0; i < flies.size(); ++i) {
+  for (std::size_t i = 0; options.evidence.fly > 0.0 && i < flies.size(); ++i) {
     if (!(flies.fitness[i] > 0.0F)) continue;
     const Point3 point = flies.point(i);
     if (!(projection.depth_m(point) > 0.0)) continue;

@@ -27,6 +27,9 @@ constexpr int kRoadGap = 3;
 /// The shares of the bands below the horizon that must show the road for a direction without an obstacle to be free.
 constexpr double kFreeShare = 0.3;
 
+/// Less support than this, in cells, is none.
+constexpr float kLeastSupport = 0.05F;
+
 /// What is known of a column of cells.
 struct ColumnScan {
   SectorState state = SectorState::unknown;
@@ -124,6 +127,28 @@ ColumnScan read_column(const Reading& r, int column, int label, double x_far_m, 
   return result;
 }
 
+/// Takes obstacles back from columns that no cell supports, but for those between two supported ones of one surface: a
+/// path that leaves a surface late costs no more than one that leaves it in time.
+void trim_surfaces(const Evidence& evidence, const EvidenceOptions& options, std::vector<int>& labels) {
+  const int none = evidence.labels() - 1, columns = static_cast<int>(labels.size());
+  const auto label = [&](int column) -> int& { return labels[static_cast<std::size_t>(column)]; };
+  const auto is_supported = [&](int column) {
+    return evidence.support(column)[static_cast<std::size_t>(label(column))] >= kLeastSupport;
+  };
+  const auto goes_on = [&](int column) {
+    return label(column) != none && label(column + 1) != none &&
+           options.slant * std::abs(label(column) - label(column + 1)) < options.jump;
+  };
+  for (int first = 0; first < columns;) {
+    int last = first;
+    while (last + 1 < columns && goes_on(last)) ++last;
+    const int next = last + 1;
+    while (first <= last && !is_supported(first)) label(first++) = none;
+    while (last > first && !is_supported(last)) label(last--) = none;
+    first = next;
+  }
+}
+
 /// The column of cells that looks in a direction; -1 when none does or the far end is in view of one camera alone.
 int column_at(const Reading& r, double angle_rad, double x_far_m) {
   const double x_m = kSightRange_m * std::cos(angle_rad), y_m = kSightRange_m * std::sin(angle_rad);
@@ -168,10 +193,11 @@ Scan Scanner::scan(const RectifiedPair& pair, const Projection& projection, cons
                          memory_, matches_);
   else
     matches_.clear();
-  read_points(layout_, matches_, projection.disparity_offset_px(), options.cells, points_);
+  read_points(layout_, matches_, memory_.left, projection.disparity_offset_px(), options.cells, points_);
   evidence_.collect(layout_, points_, flies, projection, road, options);
-  const auto& labels =
+  auto& labels =
       find_best_path({evidence_.costs(), evidence_.columns(), evidence_.labels()}, options.evidence, path_memory_);
+  trim_surfaces(evidence_, options.evidence, labels);
 
   const Reading reading{layout_, points_, evidence_, projection, road, options};
   std::vector<ColumnScan> columns;

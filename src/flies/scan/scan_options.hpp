@@ -37,7 +37,7 @@ struct EvidenceOptions {
   double support = 1.9;
   double enough_support = 2.0;
   double obstacle = 0.8;
-  double fly = 0.02;
+  double fly = 0.0;
   double slant = 0.28;
   double jump = 12.0;
   double end = 3.4;
