@@ -11,6 +11,9 @@ namespace {
 /// A sector of the scan shows an obstacle when their ranges differ by less than this and a share of the range.
 constexpr double kSameRange_m = 0.75, kSameRangeShare = 0.05;
 
+/// The confidence of a sector that surely shows its surface.
+constexpr double kSure = 0.5;
+
 /// What the scan alone sees stands at least as high as its lowest obstacles, and no more is known.
 constexpr double kNewHeight_m = 0.5;
 
@@ -76,11 +79,14 @@ void grow(Thing& thing, const Surfaces& surfaces, const WholeOptions& options) {
   const auto fits = [&](int first, int last) {
     return thing.near_m * (surfaces.left_rad(last) - surfaces.right_rad(first)) <= options.max_width_m;
   };
-  while (surfaces.goes_on(thing.first - 1) && shows(thing.first - 1, options.depth_m) &&
-         fits(thing.first - 1, thing.last))
-    --thing.first;
-  while (surfaces.goes_on(thing.last) && shows(thing.last + 1, options.depth_m) && fits(thing.first, thing.last + 1))
-    ++thing.last;
+  // A surface ends where it was last seen for sure; what lies between may be plain.
+  int first = thing.first, last = thing.last;
+  for (int i = first - 1; surfaces.goes_on(i) && shows(i, options.depth_m) && fits(i, last); --i)
+    if (surfaces.confidence(i) >= kSure) first = i;
+  for (int i = last + 1; surfaces.goes_on(i - 1) && shows(i, options.depth_m) && fits(first, i); ++i)
+    if (surfaces.confidence(i) >= kSure) last = i;
+  thing.first = first;
+  thing.last = last;
   thing.right_rad = std::min(thing.right_rad, surfaces.right_rad(thing.first));
   thing.left_rad = std::max(thing.left_rad, surfaces.left_rad(thing.last));
 }

@@ -172,5 +172,11 @@ TEST(DecodeImage, RefusesAJpegWhoseDataBrokeOffBeforeItsEnd) {
   EXPECT_TRUE(decode_image(cut).empty());
 }
 
+TEST(DecodeImage, OfAPnmThatBreaksOffIsEmpty) {
+  for (const char* start :
+       {"P5 4 4 255 abc", "P6 2 2 255 abcdef", "P5 2 2 65535 abcdefg", "P4 9 3 abcde", "P5 4 4 255"})
+    EXPECT_TRUE(decode_image(start).empty()) << start;
+}
+
 }  // namespace
 }  // namespace flies

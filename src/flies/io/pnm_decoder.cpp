@@ -43,6 +43,10 @@ cv::Mat decode_pnm(std::string_view bytes) {
   if (static_cast<double>(*width) * static_cast<double>(*height) > kMaxPixels) return {};
   const auto columns = static_cast<int>(*width), rows = static_cast<int>(*height);
   if (!is_text) ++at;  // one blank before the pixels
+  if (!is_text) {
+    const std::size_t values = is_bitmap ? (*width + 7) / 8 : *width * (kind == '6' ? 3 : 1);
+    if (at > bytes.size() || bytes.size() - at < values * *height * (*maximum > 255 ? 2 : 1)) return {};
+  }
   if (is_bitmap) return bitmap(bytes, at, columns, rows, is_text);
 
   const bool is_color = kind == '3' || kind == '6';
