@@ -22,10 +22,10 @@ namespace flies {
 void check_scan_options(const ScanOptions& options, const std::string& source);
 
 /// Looks for the nearest obstacle in every direction that both cameras see. The pair is cut into cells of eight columns
-/// and four rows, which are matched semi-globally; each cell, and each fly, says that its line of sight is free up to
-/// some range and that something is there. For every column of cells and every range what speaks for an obstacle there
-/// is added up (seen itself) and what speaks against it (something seen through it, something seen before it), and the
-/// cheapest path over all columns decides for neighbours together. Deterministic.
+/// and four rows, which are matched semi-globally; each cell, and each fly where `evidence.fly` is above 0, says that
+/// its line of sight is free up to some range and that something is there. For every column of cells and every range
+/// what speaks for an obstacle there is added up (seen itself) and what speaks against it (something seen through it,
+/// something seen before it), and the cheapest path over all columns decides for neighbours together. Deterministic.
 /// @param flies scored, in the vehicle frame; may be empty
 /// @param field its far end is that of the scan
 Scan scan(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road, const Population& flies,
