@@ -43,6 +43,8 @@ Json object_of(const Obstacle& obstacle) {
           {"y_m", metres(obstacle.y_m)},
           {"range_m", metres(obstacle.range_m)},
           {"width_m", metres(obstacle.width_m)},
+          {"middle_offset_m", metres(obstacle.middle_offset_m)},
+          {"depth_m", metres(obstacle.depth_m)},
           {"height_m", metres(obstacle.height_m)},
           {"score", score_of(obstacle.score)},
           {"box", box_of(obstacle.box)}};
