@@ -23,6 +23,7 @@
 #include "notes.hpp"
 #include "progress_bar.hpp"
 #include "result_table.hpp"
+#include "run_diagnosis.hpp"
 #include "standard_output.hpp"
 
 namespace {
@@ -32,6 +33,7 @@ struct DetectArguments {
   std::string calib, right_calib;
   CameraArguments camera;
   std::string model;
+  SelfRectify self_rectify = SelfRectify::automatic;
   MethodArguments method;
   DetectOutputs outputs;
 };
@@ -104,11 +106,16 @@ void run_detect(const DetectArguments& arguments) {
   calibration.camera.width_px = images.view().left.width_px;
   calibration.camera.height_px = images.view().left.height_px;
   flies::Detector detector(calibration.camera, options, classifier);
+  const RunDiagnosis run = diagnose(pairs, calibration, arguments.self_rectify);
   constexpr auto kLines = flies::OutputFile::Kind::lines;
   std::optional<flies::OutputFile> json, csv, scan;
   if (!arguments.outputs.json.empty()) json.emplace(arguments.outputs.json, kLines);
   if (!arguments.outputs.csv.empty()) csv.emplace(arguments.outputs.csv, kLines).write(flies::csv_header());
   if (!arguments.outputs.scan.empty()) scan.emplace(arguments.outputs.scan, kLines).write(flies::scan_csv_header());
+
+  auto notes = calibration_notes(calibration, arguments.calib);
+  for (const auto& note : run.notes) notes.push_back(pairs[first].left + ": " + note);
+  say_notes(notes);
 
   // The table goes to the terminal that the bar would be drawn on.
   const DetectOutputs& outputs = arguments.outputs;
@@ -125,6 +132,7 @@ void run_detect(const DetectArguments& arguments) {
                               .obstacles = {},
                               .pedestrians = {},
                               .scan = {},
+                              .diagnosis = run.record(),
                               .error = {}};
     std::optional<flies::Detection> detection;
     try {
@@ -135,6 +143,7 @@ void run_detect(const DetectArguments& arguments) {
                                  left_path);
       }
       flies::check_true_pair(images.view(), calibration.camera, left_path, right_path);
+      run.correct(images);
       detection = detector.process(images.view());
       record.obstacles = detection->obstacles;
       record.pedestrians = detection->pedestrians;
@@ -159,7 +168,6 @@ void run_detect(const DetectArguments& arguments) {
   if (json) json->commit();
   if (csv) csv->commit();
   if (scan) scan->commit();
-  say_notes(calibration_notes(calibration, arguments.calib));
   if (!faults.empty())
     throw flies::InputError(arguments.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),
                             "could not be used, the others were; the first: " + faults.front());
@@ -177,6 +185,7 @@ void add_input_options(CLI::App& command, DetectArguments& arguments) {
   add_cameras_option(command, arguments.camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
   add_calibrated_size_option(command, arguments.camera);
   add_mount_options(command, arguments.camera);
+  add_self_rectify_option(command, arguments.self_rectify);
 }
 
 void add_output_options(CLI::App& command, DetectOutputs& outputs) {

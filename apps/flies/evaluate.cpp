@@ -41,7 +41,7 @@ struct EvaluateArguments {
   std::string model;
   MethodArguments method;
   Overrides match, people, estimate, sectors, dense, hog;  ///< dotted name and text
-  std::string unlabelled, json, plot;
+  std::string unlabelled, json, plot, scan_plot;
   bool missed = false;
 };
 
@@ -156,6 +156,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
 
   say_notes(dataset.notes);
   if (!arguments.plot.empty()) flies::write_png(arguments.plot, people_curves(evaluation));
+  if (!arguments.scan_plot.empty()) flies::write_png(arguments.scan_plot, scan_curves(evaluation));
   if (json) {
     json->write(evaluation_json(evaluation, context));
     json->commit();
@@ -235,6 +236,9 @@ void setup_evaluate(CLI::App& app) {
   command->add_flag("--missed", arguments->missed, "list what was missed and, of people, false alarms, pair by pair")
       ->group("Output");
   command->add_option("--plot", arguments->plot, "people: miss rate over false alarms a pair, as PNG")
+      ->type_name("FILE")
+      ->group("Output");
+  command->add_option("--scan-plot", arguments->scan_plot, "the scan: blind over ghost sectors, as PNG")
       ->type_name("FILE")
       ->group("Output");
   command->add_option("--json", arguments->json, "all numbers as JSON; - is standard output, without the table")

@@ -25,5 +25,8 @@ std::string missed_table(const flies::Evaluation& evaluation);
 /// Miss rates of people over false alarms a pair, CV_8UC3.
 cv::Mat people_curves(const flies::Evaluation& evaluation);
 
+/// Blind over ghost sectors of every method's scan at its settings, CV_8UC3.
+cv::Mat scan_curves(const flies::Evaluation& evaluation);
+
 /// Everything as one JSON object, see docs/evaluation.md.
 std::string evaluation_json(const flies::Evaluation& evaluation, const EvaluationContext& context);

@@ -22,6 +22,7 @@
 #include "line_file.hpp"
 #include "method_arguments.hpp"
 #include "notes.hpp"
+#include "run_diagnosis.hpp"
 #include "sequence_source.hpp"
 #include "standard_output.hpp"
 #include "track_outputs.hpp"
@@ -31,6 +32,7 @@ namespace {
 struct TrackArguments {
   SequenceRequest sequence;
   CameraArguments camera;
+  SelfRectify self_rectify = SelfRectify::automatic;
   std::string model;
   MethodArguments method;
   std::vector<std::pair<std::string, std::string>> following;  ///< options of ego and track: dotted name and text
@@ -90,6 +92,7 @@ void run_track(TrackArguments arguments) {
 
   std::optional<flies::Calibration> calibration;
   std::optional<flies::Tracker> tracker;
+  RunDiagnosis run;
   std::optional<LineFile> json, kitti;
   if (!arguments.json.empty()) json.emplace(arguments.json);
   if (!arguments.kitti.empty()) kitti.emplace(arguments.kitti);
@@ -101,6 +104,8 @@ void run_track(TrackArguments arguments) {
       calibration = flies::load_calibration(
           source.calib, calibration_request(arguments.camera, left_path, right_path, images.view()));
     if (calibration->rectifier) images = calibration->rectifier->rectify(images);
+    if (i == 0) run = diagnose(source.pairs, *calibration, arguments.self_rectify);
+    run.correct(images);
     const flies::RectifiedPair pair = images.view();
     flies::check_camera_fits(calibration->camera, pair.left.width_px, pair.left.height_px,
                              i == 0 ? source.calib : left_path);
@@ -127,6 +132,7 @@ void run_track(TrackArguments arguments) {
   }
   auto notes = source.notes;
   for (const auto& note : calibration->notes) notes.push_back(source.calib + ": " + note);
+  for (const auto& note : run.notes) notes.push_back(source.pairs.front().left + ": " + note);
   say_notes(notes);
 }
 
@@ -148,6 +154,7 @@ void setup_track(CLI::App& app) {
       ->type_name("FILE");
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 2,3; of a drive else 0,1 when there, else 2,3");
   add_mount_options(*command, arguments->camera);
+  add_self_rectify_option(*command, arguments->self_rectify);
   add_method_options(*command, arguments->method);
   for (const auto& listing : flies::list_options(flies::TrackerOptions{}))
     command

@@ -73,7 +73,8 @@ void require_sound(const flies::ImageBox& box) {
 
 void require_sound(const flies::Detection& found) {
   for (const auto& o : found.obstacles) {
-    for (const double value : {o.x_m, o.y_m, o.range_m, o.width_m, o.height_m, o.ground_z_m, o.score})
+    for (const double value :
+         {o.x_m, o.y_m, o.range_m, o.width_m, o.middle_offset_m, o.depth_m, o.height_m, o.ground_z_m, o.score})
       require(std::isfinite(value));
     require_sound(o.box);
   }

@@ -23,8 +23,9 @@ constexpr double kSameBearings = 0.5;
 /// An obstacle while it grows.
 struct Thing {
   Obstacle obstacle;
-  double right_rad = 0.0, left_rad = 0.0, near_m = 0.0;
-  int first = -1, last = -1;  ///< the sectors that show it, from the right; -1 when none does
+  double right_rad = 0.0, left_rad = 0.0;
+  double near_m = 0.0, near_rad = 0.0;  ///< its near face: range, and bearing where that was seen
+  int first = -1, last = -1;            ///< the sectors that show it, from the right; -1 when none does
 
   double width_m() const { return near_m * (left_rad - right_rad); }
 };
@@ -43,6 +44,7 @@ class Surfaces {
     return scan_.angle_min_rad + (static_cast<double>(i) - 0.5) * scan_.angle_increment_rad;
   }
   double left_rad(int i) const { return right_rad(i) + scan_.angle_increment_rad; }
+  double middle_rad(int i) const { return right_rad(i) + 0.5 * scan_.angle_increment_rad; }
   int sector_at(double angle_rad) const {
     const double place = (angle_rad - scan_.angle_min_rad) / scan_.angle_increment_rad;
     return static_cast<int>(std::lround(std::clamp(place, -1.0, size() + 0.0)));
@@ -105,7 +107,10 @@ bool are_one(const Thing& a, const Thing& b, const Surfaces& surfaces, const Who
 }
 
 void join(Thing& a, const Thing& b) {
-  a.near_m = std::min(a.near_m, b.near_m);
+  if (b.near_m < a.near_m) {
+    a.near_m = b.near_m;
+    a.near_rad = b.near_rad;
+  }
   a.right_rad = std::min(a.right_rad, b.right_rad);
   a.left_rad = std::max(a.left_rad, b.left_rad);
   a.first = std::min(a.first, b.first);
@@ -153,6 +158,7 @@ std::vector<Thing> unclaimed(const std::vector<Thing>& things, const Surfaces& s
     thing.last = last;
     thing.right_rad = surfaces.right_rad(first);
     thing.left_rad = surfaces.left_rad(last);
+    thing.near_rad = 0.5 * (thing.right_rad + thing.left_rad);
     thing.obstacle.height_m = kNewHeight_m;
     const int sectors = last - first + 1;
     first = last;
@@ -179,13 +185,28 @@ ImageBox board_box(const Thing& thing, const Projection& projection, const RoadP
   return {left, top, right - left, bottom - top};
 }
 
-Obstacle finish(const Thing& thing, const Projection& projection, const RoadPlane& road) {
+/// How far the surface of a thing reaches behind its nearest point, along the line of sight to its middle, metres.
+double depth_m(const Thing& thing, const Surfaces& surfaces, double middle_rad) {
+  if (thing.first < 0) return 0.0;
+  double near_m = std::numeric_limits<double>::infinity(), far_m = 0.0;
+  for (int i = thing.first; i <= thing.last; ++i) {
+    if (!surfaces.is_obstacle(i)) continue;
+    const double along_m = surfaces.range_m(i) * std::cos(surfaces.middle_rad(i) - middle_rad);
+    near_m = std::min(near_m, along_m);
+    far_m = std::max(far_m, along_m);
+  }
+  return std::max(0.0, far_m - near_m);
+}
+
+Obstacle finish(const Thing& thing, const Surfaces& surfaces, const Projection& projection, const RoadPlane& road) {
   Obstacle obstacle = thing.obstacle;
-  const double angle_rad = 0.5 * (thing.right_rad + thing.left_rad);
+  const double middle_rad = 0.5 * (thing.right_rad + thing.left_rad);
   obstacle.range_m = thing.near_m;
-  obstacle.x_m = thing.near_m * std::cos(angle_rad);
-  obstacle.y_m = thing.near_m * std::sin(angle_rad);
+  obstacle.x_m = thing.near_m * std::cos(thing.near_rad);
+  obstacle.y_m = thing.near_m * std::sin(thing.near_rad);
   obstacle.width_m = thing.width_m();
+  obstacle.middle_offset_m = thing.near_m * (middle_rad - thing.near_rad);
+  obstacle.depth_m = depth_m(thing, surfaces, middle_rad);
   obstacle.ground_z_m = road.z_m(obstacle.x_m, obstacle.y_m);
   obstacle.box = board_box(thing, projection, road);
   return obstacle;
@@ -202,14 +223,14 @@ std::vector<Obstacle> whole_obstacles(std::span<const Obstacle> obstacles, const
   for (const auto& obstacle : obstacles) {
     const double angle_rad = std::atan2(obstacle.y_m, obstacle.x_m);
     const double half_rad = 0.5 * obstacle.width_m / obstacle.range_m;
-    things.push_back({obstacle, angle_rad - half_rad, angle_rad + half_rad, obstacle.range_m, -1, -1});
+    things.push_back({obstacle, angle_rad - half_rad, angle_rad + half_rad, obstacle.range_m, angle_rad, -1, -1});
     grow(things.back(), surfaces, options);
   }
   join_all(things, surfaces, options);
   const auto added = unclaimed(things, surfaces, options);
   things.insert(things.end(), added.begin(), added.end());
   std::vector<Obstacle> whole;
-  for (const auto& thing : things) whole.push_back(finish(thing, projection, road));
+  for (const auto& thing : things) whole.push_back(finish(thing, surfaces, projection, road));
   std::stable_sort(whole.begin(), whole.end(), [](const auto& a, const auto& b) { return a.range_m < b.range_m; });
   return whole;
 }

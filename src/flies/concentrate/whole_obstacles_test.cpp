@@ -66,9 +66,22 @@ TEST(WholeObstacles, GrowToTheEndsOfTheirSurface) {
   const auto whole = make_whole({obstacle_at(10.0, 0.05, 0.5)}, scan);
   ASSERT_EQ(whole.size(), 1U);
   EXPECT_NEAR(whole[0].width_m, 2.1, kSectors_m);
-  EXPECT_NEAR(whole[0].y_m, 0.0, kSectors_m);
+  EXPECT_NEAR(whole[0].y_m, 0.5, kSectors_m);
+  EXPECT_NEAR(whole[0].middle_offset_m, -0.5, kSectors_m);
   EXPECT_NEAR(whole[0].range_m, 10.0, 1e-9);
   EXPECT_NEAR(whole[0].box.width_px, 700 * 2.1 / 10.0, 700 * kSectors_m / 10.0);
+}
+
+TEST(WholeObstacles, StandWhereTheirSurfaceIsNearest) {
+  // A wall that recedes to the left: 10 m away at its right end, 14 m at its left one.
+  Scan scan = open_scan();
+  for (int i = 0; i <= 20; ++i) put(scan, 10.0 + 0.2 * i, 0.01 * i, 0.01 * i);
+  const auto whole = make_whole({obstacle_at(10.0, 0.02, 0.5)}, scan);
+  ASSERT_EQ(whole.size(), 1U);
+  EXPECT_NEAR(std::atan2(whole[0].y_m, whole[0].x_m), 0.02, kSector_rad);
+  EXPECT_NEAR(whole[0].range_m, 10.0, 0.3);
+  EXPECT_NEAR(whole[0].middle_offset_m, 10.0 * (0.1 - 0.02), kSectors_m);
+  EXPECT_NEAR(whole[0].depth_m, 4.0, 0.3);
 }
 
 TEST(WholeObstacles, TwoEdgesOfOneSurfaceAreOneObstacle) {

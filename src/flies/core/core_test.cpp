@@ -11,6 +11,7 @@
 #include "flies/core/fly.hpp"
 #include "flies/core/gray_view.hpp"
 #include "flies/core/parabola.hpp"
+#include "flies/core/planar_motion.hpp"
 #include "flies/core/random.hpp"
 #include "flies/core/stereo_camera.hpp"
 
@@ -282,6 +283,19 @@ TEST(Saturated, IsTheNearestNumberThereIs) {
   EXPECT_EQ(saturated<int>(std::nan("")), 0);
   EXPECT_EQ(saturated<std::uint32_t>(-1.0), 0U);
   EXPECT_EQ(saturated<std::uint64_t>(1e30), std::numeric_limits<std::uint64_t>::max());
+}
+
+TEST(PlanarMotion, TakesPointsForthAndBack) {
+  const PlanarMotion motion{1.0, 0.5,
+                            std::numbers::pi / 2};  // one metre ahead, half a metre to the left, then turned left
+  const Point3 before{3.0, 0.5, 1.2};               // two metres ahead of where we were going
+  const Point3 now = motion.now(before);            // now on the right
+  EXPECT_NEAR(now.x_m, 0.0, 1e-12);
+  EXPECT_NEAR(now.y_m, -2.0, 1e-12);
+  const Point3 back = motion.before(now);
+  EXPECT_NEAR(back.x_m, before.x_m, 1e-12);
+  EXPECT_NEAR(back.y_m, before.y_m, 1e-12);
+  EXPECT_EQ(back.z_m, before.z_m);
 }
 
 }  // namespace

@@ -14,12 +14,16 @@ struct ImageBox {
   double height_px = 0.0;
 };
 
-/// An object of interest: something that stands on the ground ahead.
+/// An object of interest: something that stands on the ground ahead. Its position is on its near face, where flies saw
+/// it nearest; of something wide that need not be the middle.
 struct Obstacle {
-  double x_m = 0.0;         ///< position in the vehicle frame: forward
-  double y_m = 0.0;         ///< position in the vehicle frame: left
-  double range_m = 0.0;     ///< horizontal distance from the point below the left camera, hypot(x, y)
-  double width_m = 0.0;     ///< seen across the line of sight
+  double x_m = 0.0;      ///< position in the vehicle frame: forward
+  double y_m = 0.0;      ///< position in the vehicle frame: left
+  double range_m = 0.0;  ///< horizontal distance from the point below the left camera, hypot(x, y)
+  double width_m = 0.0;  ///< seen across the line of sight
+  double middle_offset_m =
+      0.0;                  ///< of the middle of its width from its position, across the line of sight, to the left
+  double depth_m = 0.0;     ///< seen along it, behind the near face; 0 when only a face across it is seen
   double height_m = 0.0;    ///< of its top above the road
   double ground_z_m = 0.0;  ///< height of the road under it in the vehicle frame; 0 on the nominal ground
   double score = 0.0;       ///< summed fitness of its flies over the population; comparable for equal options

@@ -143,7 +143,7 @@ cv::Mat draw_error_curves(std::span<const ErrorCurve> curves, const ErrorAxes& a
   cv::Mat canvas(kHeight_px, kWidth_px, CV_8UC3, kWhite);
   const Axis u = across(axes.min_false_positives, axes.max_false_positives, true);
   const Axis v = upwards(axes.min_miss_rate, axes.max_miss_rate);
-  put_frame(canvas, u, v, axes.false_positives_label, "miss rate");
+  put_frame(canvas, u, v, axes.false_positives_label, axes.miss_rate_label);
   for (std::size_t i = 0; i < curves.size(); ++i) put_curve(canvas, u, v, curves[i], curve_color(i));
   // Good curves leave the lower left corner last, so the keys stand there.
   const int rows = static_cast<int>(curves.size());

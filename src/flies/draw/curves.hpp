@@ -26,6 +26,7 @@ struct ErrorCurve {
 /// The part of the plane that is shown; both axes are logarithmic, so all limits are above 0.
 struct ErrorAxes {
   std::string false_positives_label = "false positives a window";
+  std::string miss_rate_label = "miss rate";
   double min_false_positives = 1e-5, max_false_positives = 1e-1;
   double min_miss_rate = 0.01, max_miss_rate = 1.0;
 };

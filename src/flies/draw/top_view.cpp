@@ -94,10 +94,11 @@ void put_obstacle(cv::Mat& ground, const GroundPlot& plot, const Obstacle& obsta
   if (!std::isfinite(range) || range <= 0.0) return;
   const double ahead_x = obstacle.x_m / range, ahead_y = obstacle.y_m / range;
   const double half_m = std::max(obstacle.width_m, kMinBarWidth_m) / 2.0;
+  const auto left_m = [&](double across) { return obstacle.middle_offset_m + across * half_m; };
   std::vector<cv::Point> corners;
   for (const auto& [across, along] : {std::pair{-1.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}, {-1.0, 1.0}})
-    corners.push_back(plot.at(obstacle.x_m - across * half_m * ahead_y + along * kBarDepth_m * ahead_x,
-                              obstacle.y_m + across * half_m * ahead_x + along * kBarDepth_m * ahead_y));
+    corners.push_back(plot.at(obstacle.x_m - left_m(across) * ahead_y + along * kBarDepth_m * ahead_x,
+                              obstacle.y_m + left_m(across) * ahead_x + along * kBarDepth_m * ahead_y));
   cv::fillConvexPoly(ground, corners, range_color(obstacle.range_m), cv::LINE_AA);
   cv::polylines(ground, corners, true, kInk, 1, cv::LINE_AA);
 }

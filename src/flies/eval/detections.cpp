@@ -55,6 +55,7 @@ Obstacle obstacle_of(const json& entry, const Place& place) {
   obstacle.y_m = number(entry, "y_m", place);
   obstacle.range_m = optional_number(entry, "range_m", place).value_or(std::hypot(obstacle.x_m, obstacle.y_m));
   obstacle.width_m = optional_number(entry, "width_m", place).value_or(0.0);
+  obstacle.depth_m = optional_number(entry, "depth_m", place).value_or(0.0);
   obstacle.height_m = optional_number(entry, "height_m", place).value_or(0.0);
   obstacle.score = optional_number(entry, "score", place).value_or(0.0);
   return obstacle;

@@ -24,6 +24,8 @@ void add_accuracy(const Accuracy& accuracy, Group group, const std::string& part
   add("absolute_range_error", accuracy.absolute_range_error);
   add("width_error_m", accuracy.width_error_m);
   add("absolute_width_error_m", accuracy.absolute_width_error_m);
+  add("depth_error_m", accuracy.depth_error_m);
+  add("absolute_depth_error_m", accuracy.absolute_depth_error_m);
   add("height_error_m", accuracy.height_error_m);
   add("absolute_height_error_m", accuracy.absolute_height_error_m);
 }
@@ -65,6 +67,7 @@ std::map<MeasureKey, double> named_values(const Measures& measures) {
   add_accuracy(measures.all, Group::all, "", values);
   if (const auto people = measures.people_recall.value()) values[{Group::all, "", "people_recall"}] = *people;
   if (measures.whole_width_error_m) values[{Group::all, "", "whole_width_error_m"}] = *measures.whole_width_error_m;
+  if (measures.whole_depth_error_m) values[{Group::all, "", "whole_depth_error_m"}] = *measures.whole_depth_error_m;
   values[{Group::all, "", "obstacles_per_frame"}] = measures.obstacles_per_frame;
   if (measures.reports_per_found_object > 0.0)
     values[{Group::all, "", "reports_per_found_object"}] = measures.reports_per_found_object;

@@ -52,4 +52,23 @@ double seen_width_m(const Footprint& footprint) {
   return footprint.length_m * std::abs(std::sin(angle)) + footprint.width_m * std::abs(std::cos(angle));
 }
 
+double seen_depth_m(const Footprint& footprint) {
+  const double range_m = std::hypot(footprint.x_m, footprint.y_m);
+  if (range_m == 0.0) return 0.0;
+  const Local eye = rotate_into(footprint, -footprint.x_m, -footprint.y_m);
+  const double half_along = footprint.length_m / 2, half_across = footprint.width_m / 2;
+  double near_m = std::numeric_limits<double>::infinity(), far_m = -near_m;
+  for (const double along : {-half_along, half_along})
+    for (const double across : {-half_across, half_across}) {
+      // A corner is seen when one of the two faces that meet in it is turned to the eye.
+      const bool is_seen =
+          along * eye.along > half_along * half_along || across * eye.across > half_across * half_across;
+      if (!is_seen) continue;
+      const double depth_m = -(along * eye.along + across * eye.across) / range_m;  // less that of its centre
+      near_m = std::min(near_m, depth_m);
+      far_m = std::max(far_m, depth_m);
+    }
+  return std::max(0.0, far_m - near_m);
+}
+
 }  // namespace flies

@@ -27,4 +27,8 @@ std::optional<double> near_face_range_m(const Footprint& footprint, double azimu
 /// Extent of the rectangle across the line of sight to its centre, metres: the width a camera sees.
 double seen_width_m(const Footprint& footprint);
 
+/// Extent of those faces of the rectangle that are turned to the origin, along the line of sight to its centre, metres:
+/// the depth a camera can see. 0 for one face straight across it.
+double seen_depth_m(const Footprint& footprint);
+
 }  // namespace flies

@@ -50,5 +50,14 @@ TEST(SeenWidth, IsAcrossTheLineOfSight) {
   EXPECT_NEAR(seen_width_m({0.0, 10.0, 0.0, 4.0, 2.0}), 4.0, kExact);
 }
 
+TEST(SeenDepth, IsOfTheFacesTurnedToUs) {
+  EXPECT_NEAR(seen_depth_m({10.0, 0.0, 0.0, 4.0, 2.0}), 0.0, kExact);  // straight behind: only its back
+  EXPECT_NEAR(seen_depth_m({0.0, 10.0, 0.0, 4.0, 2.0}), 0.0, kExact);  // straight beside
+  // Turned by 45 degrees, back and side are seen, up to the ends of the diagonal.
+  EXPECT_NEAR(seen_depth_m({10.0, 0.0, std::numbers::pi / 4, 4.0, 2.0}), 4.0 * std::sqrt(0.5), kExact);
+  // Beside our way: from the near corner of its side, (8, 3), to the far one, (12, 3), along the line of sight.
+  EXPECT_NEAR(seen_depth_m({10.0, 4.0, 0.0, 4.0, 2.0}), 4.0 * std::cos(std::atan2(4.0, 10.0)), kExact);
+}
+
 }  // namespace
 }  // namespace flies

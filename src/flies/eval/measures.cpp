@@ -16,12 +16,13 @@ constexpr std::size_t kBandCount = kRangeBands_m.size() - 1;
 /// Collects what an `Accuracy` is made of.
 struct Tally {
   Rate recall, precision, label_precision;
-  std::vector<double> range_errors, width_errors_m, height_errors_m;
+  std::vector<double> range_errors, width_errors_m, depth_errors_m, height_errors_m;
 
   void add_errors(const ObstacleVerdict& verdict) {
     if (!(verdict.near_range_m > 0.0)) return;  // we stand in it: there is no near face to be off from
     range_errors.push_back(verdict.range_error_m / verdict.near_range_m);
     width_errors_m.push_back(verdict.width_error_m);
+    depth_errors_m.push_back(verdict.depth_error_m);
     height_errors_m.push_back(verdict.height_error_m);
   }
 };
@@ -39,6 +40,8 @@ Accuracy accuracy_of(const Tally& tally) {
           absolute_median(tally.range_errors),
           median(tally.width_errors_m),
           absolute_median(tally.width_errors_m),
+          median(tally.depth_errors_m),
+          absolute_median(tally.depth_errors_m),
           median(tally.height_errors_m),
           absolute_median(tally.height_errors_m)};
 }
@@ -61,7 +64,7 @@ struct Sums {
   Rate people;
   std::map<std::string, Tally> by_class;
   std::array<Tally, kBandCount> by_range;
-  std::vector<double> whole_width_errors_m;
+  std::vector<double> whole_width_errors_m, whole_depth_errors_m;
   std::size_t obstacles = 0;
   int reports = 0, reported_objects = 0;
 };
@@ -77,7 +80,10 @@ void add_obstacles(const FrameTruth& truth, const FrameScore& score, Sums& sums)
     if (verdict.object < 0 || !score.objects[static_cast<std::size_t>(verdict.object)].counted) continue;
     const auto& object = truth.objects[static_cast<std::size_t>(verdict.object)];
     sums.all.add_errors(verdict);
-    if (is_seen_whole(object) && verdict.near_range_m > 0.0) sums.whole_width_errors_m.push_back(verdict.width_error_m);
+    if (is_seen_whole(object) && verdict.near_range_m > 0.0) {
+      sums.whole_width_errors_m.push_back(verdict.width_error_m);
+      sums.whole_depth_errors_m.push_back(verdict.depth_error_m);
+    }
     sums.by_class[object.type].add_errors(verdict);
     if (const auto band = band_of(near_range_m(object.footprint))) sums.by_range[*band].add_errors(verdict);
   }
@@ -137,6 +143,7 @@ Measures summarize(std::span<const FrameTruth> truths, std::span<const FrameScor
   }
   measures.all = accuracy_of(sums.all);
   measures.whole_width_error_m = absolute_median(std::move(sums.whole_width_errors_m));
+  measures.whole_depth_error_m = absolute_median(std::move(sums.whole_depth_errors_m));
   measures.people_recall = sums.people;
   for (const auto& [name, tally] : sums.by_class) measures.by_class.push_back({name, accuracy_of(tally)});
   for (std::size_t i = 0; i < kBandCount; ++i) {

@@ -31,6 +31,8 @@ struct Accuracy {
   std::optional<double> absolute_range_error;  ///< of the near face's range
   std::optional<double> width_error_m;         ///< signed; positive when too wide
   std::optional<double> absolute_width_error_m;
+  std::optional<double> depth_error_m;  ///< signed; positive when too deep; of the faces turned to us
+  std::optional<double> absolute_depth_error_m;
   std::optional<double> height_error_m;  ///< signed; positive when too high
   std::optional<double> absolute_height_error_m;
 };
@@ -52,6 +54,7 @@ struct MissedObject {
 struct Measures {
   Accuracy all;
   std::optional<double> whole_width_error_m;  ///< absolute, of what `is_seen_whole`
+  std::optional<double> whole_depth_error_m;  ///< the same of depth
   Rate people_recall;                         ///< people and cyclists, `kPeopleReach_m` at most
   std::vector<AccuracyPart> by_class;         ///< of objects, in alphabetical order; precision knows no classes
   std::vector<AccuracyPart> by_range;  ///< bands of `kRangeBands_m`: of the obstacle for precision, else of the object

@@ -89,6 +89,18 @@ TEST(Summarize, MeasuresWidthsOfWhatIsSeenWhole) {
   EXPECT_NEAR(*measures.whole_width_error_m, 0.3, kExact);  // of 0.5 and 0.1
 }
 
+TEST(Summarize, MeasuresDepthsOfWhatIsSeenWhole) {
+  std::vector<FrameTruth> truths(1);
+  truths[0].objects = {object_at("Car", 12, 0, 4, 2), object_at("Tram", 30, 0, 4, 2)};  // their backs alone are seen
+  std::vector<Obstacle> obstacles = {obstacle_at(12, 0), obstacle_at(30, 0)};
+  obstacles[0].depth_m = 0.5;
+  obstacles[1].depth_m = 0.7;
+  const Measures measures = summarize(truths, std::vector{score_frame(truths[0], obstacles)});
+  ASSERT_TRUE(measures.whole_depth_error_m && measures.all.depth_error_m);
+  EXPECT_NEAR(*measures.whole_depth_error_m, 0.5, kExact);
+  EXPECT_NEAR(*measures.all.depth_error_m, 0.6, kExact);
+}
+
 TEST(Summarize, LeavesMediansEmptyWhenNothingWasReported) {
   std::vector<FrameTruth> truths(1);
   truths[0].objects = {object_at("Car", 12, 0, 4, 2)};

@@ -71,6 +71,7 @@ FrameScore score_frame(const FrameTruth& truth, std::span<const Obstacle> obstac
       verdict.near_range_m = near_face_m(truth, object, std::atan2(obstacle.y_m, obstacle.x_m));
       verdict.range_error_m = obstacle.range_m - verdict.near_range_m;
       verdict.width_error_m = obstacle.width_m - seen_width_m(object.footprint);
+      verdict.depth_error_m = obstacle.depth_m - seen_depth_m(object.footprint);
       verdict.height_error_m = obstacle.height_m - object.height_m;
     }
     score.obstacles.push_back(verdict);

@@ -41,6 +41,7 @@ struct ObstacleVerdict {
   double near_range_m = 0.0;    ///< of that object's near face in the obstacle's direction; meaningful with an object
   double range_error_m = 0.0;   ///< obstacle's range minus `near_range_m`: positive when reported too far
   double width_error_m = 0.0;   ///< reported minus labelled, across the line of sight
+  double depth_error_m = 0.0;   ///< reported minus labelled: of the faces turned to us, along the line of sight
   double height_error_m = 0.0;  ///< reported minus labelled
 };
 

@@ -30,23 +30,24 @@ std::string score_of(double score) { return std::isfinite(score) ? fmt::format("
 }  // namespace
 
 std::string csv_header() {
-  return "frame,left,right,kind,x_m,y_m,range_m,width_m,height_m,score,probability,u_px,v_px,width_px,height_px\n";
+  return "frame,left,right,kind,x_m,y_m,range_m,width_m,depth_m,height_m,score,probability,u_px,v_px,width_px,height_"
+         "px\n";
 }
 
 std::string csv_rows(const FrameRecord& record) {
   const std::string start = fmt::format("{},{},{}", record.frame, quoted(record.left), quoted(record.right));
   std::string rows;
-  const auto add_row = [&](const char* kind, const auto& found, const std::string& width_m, const std::string& score,
-                           const std::string& probability) {
-    rows +=
-        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", start, kind, metres(found.x_m), metres(found.y_m),
-                    metres(found.range_m), width_m, metres(found.height_m), score, probability, pixels(found.box.u_px),
-                    pixels(found.box.v_px), pixels(found.box.width_px), pixels(found.box.height_px));
+  const auto add_row = [&](const char* kind, const auto& found, const std::string& width_m, const std::string& depth_m,
+                           const std::string& score, const std::string& probability) {
+    rows += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", start, kind, metres(found.x_m),
+                        metres(found.y_m), metres(found.range_m), width_m, depth_m, metres(found.height_m), score,
+                        probability, pixels(found.box.u_px), pixels(found.box.v_px), pixels(found.box.width_px),
+                        pixels(found.box.height_px));
   };
   for (const auto& obstacle : record.obstacles)
-    add_row("obstacle", obstacle, metres(obstacle.width_m), score_of(obstacle.score), "");
+    add_row("obstacle", obstacle, metres(obstacle.width_m), metres(obstacle.depth_m), score_of(obstacle.score), "");
   for (const auto& pedestrian : record.pedestrians)
-    add_row("pedestrian", pedestrian, "", "", score_of(pedestrian.probability));
+    add_row("pedestrian", pedestrian, "", "", "", score_of(pedestrian.probability));
   return rows;
 }
 

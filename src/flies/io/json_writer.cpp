@@ -43,6 +43,8 @@ Json object_of(const Obstacle& obstacle) {
           {"y_m", metres(obstacle.y_m)},
           {"range_m", metres(obstacle.range_m)},
           {"width_m", metres(obstacle.width_m)},
+          {"middle_offset_m", metres(obstacle.middle_offset_m)},
+          {"depth_m", metres(obstacle.depth_m)},
           {"height_m", metres(obstacle.height_m)},
           {"score", score_of(obstacle.score)},
           {"box", box_of(obstacle.box)}};
@@ -87,6 +89,20 @@ Json polygon_of(const std::vector<GroundPoint>& vertices) {
   return array;
 }
 
+Json object_of(const DiagnosisRecord& diagnosis) {
+  const auto number = [](const std::optional<double>& value, int decimals) {
+    return value ? rounded(*value, decimals) : Json();
+  };
+  return {{"textured_share", rounded(diagnosis.textured_share, 3)},
+          {"matched_share", rounded(diagnosis.matched_share, 3)},
+          {"beyond_share", rounded(diagnosis.beyond_share, 3)},
+          {"row_offset_px", number(diagnosis.row_offset_px, 2)},
+          {"row_roll_rad", number(diagnosis.row_roll_rad, 6)},
+          {"corrected_row_offset_px", number(diagnosis.corrected_offset_px, 2)},
+          {"road_found", diagnosis.road_found},
+          {"notes", diagnosis.notes}};
+}
+
 }  // namespace
 
 std::string json_line(const FrameRecord& record) {
@@ -104,6 +120,7 @@ std::string json_line(const FrameRecord& record) {
     object["scan"] = object_of(record.scan);
     object["free_space"] = polygon_of(free_space(record.scan));
   }
+  if (record.diagnosis) object["diagnosis"] = object_of(*record.diagnosis);
   if (record.error.empty())
     object["stage_ms"] = stage_ms;
   else

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,15 @@
 #include "flies/core/scan.hpp"
 
 namespace flies {
+
+/// What the images say about the calibration, over a run (`PairDiagnosis`).
+struct DiagnosisRecord {
+  double textured_share = 0.0, matched_share = 0.0, beyond_share = 0.0;
+  std::optional<double> row_offset_px, row_roll_rad;  ///< left over
+  std::optional<double> corrected_offset_px;          ///< made up for
+  bool road_found = false;
+  std::vector<std::string> notes;  ///< what to check, one sentence each
+};
 
 /// What was found in one pair, as it is written. docs/formats.md holds the schema.
 struct FrameRecord {
@@ -20,6 +30,7 @@ struct FrameRecord {
   std::vector<Pedestrian> pedestrians;
   Scan scan;  ///< empty: not written
   StageTimes_ms stage_ms{};
+  std::optional<DiagnosisRecord> diagnosis = {};  ///< of the whole run, the same in every line
   std::string error = {};  ///< why the pair could not be used, when it could not: nothing was looked for in it then
 };
 

@@ -31,7 +31,16 @@ FrameRecord example() {
   record.right = "r/7.png";
   record.seed = 18446744073709551615ULL;
   record.preset = "default";
-  record.obstacles.push_back({12.34567, -1.10049, 12.3949, 0.5, 1.75, 0.1, 0.0123456789, {100.126, 50, 20, 60.5}});
+  record.obstacles.push_back({.x_m = 12.34567,
+                              .y_m = -1.10049,
+                              .range_m = 12.3949,
+                              .width_m = 0.5,
+                              .middle_offset_m = -0.125,
+                              .depth_m = 0.25,
+                              .height_m = 1.75,
+                              .ground_z_m = 0.1,
+                              .score = 0.0123456789,
+                              .box = {100.126, 50, 20, 60.5}});
   record.pedestrians.push_back({12.3, -0.0, 12.3, 1.71, 0.75, {101, 52, 18, 58}});
   record.stage_ms = {1.23456, 2, 3, 4, 5};
   return record;
@@ -61,8 +70,8 @@ TEST(JsonLine, HasTheSchemaInOrder) {
   const Json json = Json::parse(line);
   EXPECT_THAT(keys_of(json),
               ElementsAre("frame", "left", "right", "seed", "preset", "obstacles", "pedestrians", "stage_ms"));
-  EXPECT_THAT(keys_of(json["obstacles"][0]),
-              ElementsAre("x_m", "y_m", "range_m", "width_m", "height_m", "score", "box"));
+  EXPECT_THAT(keys_of(json["obstacles"][0]), ElementsAre("x_m", "y_m", "range_m", "width_m", "middle_offset_m",
+                                                         "depth_m", "height_m", "score", "box"));
   EXPECT_THAT(keys_of(json["pedestrians"][0]), ElementsAre("x_m", "y_m", "range_m", "height_m", "probability", "box"));
   EXPECT_THAT(keys_of(json["obstacles"][0]["box"]), ElementsAre("u_px", "v_px", "width_px", "height_px"));
   EXPECT_THAT(keys_of(json["stage_ms"]), ElementsAreArray(kStageNames));
@@ -122,10 +131,11 @@ TEST(JsonLine, SurvivesFileNamesThatAreNotUtf8) {
 TEST(CsvRows, MatchTheHeader) {
   auto record = example();
   record.obstacles[0].score = kNan;
-  EXPECT_EQ(csv_header() + csv_rows(record),
-            "frame,left,right,kind,x_m,y_m,range_m,width_m,height_m,score,probability,u_px,v_px,width_px,height_px\n"
-            "7,l/7.png,r/7.png,obstacle,12.346,-1.100,12.395,0.500,1.750,,,100.13,50.00,20.00,60.50\n"
-            "7,l/7.png,r/7.png,pedestrian,12.300,-0.000,12.300,,1.710,,0.75,101.00,52.00,18.00,58.00\n");
+  EXPECT_EQ(
+      csv_header() + csv_rows(record),
+      "frame,left,right,kind,x_m,y_m,range_m,width_m,depth_m,height_m,score,probability,u_px,v_px,width_px,height_px\n"
+      "7,l/7.png,r/7.png,obstacle,12.346,-1.100,12.395,0.500,0.250,1.750,,,100.13,50.00,20.00,60.50\n"
+      "7,l/7.png,r/7.png,pedestrian,12.300,-0.000,12.300,,,1.710,,0.75,101.00,52.00,18.00,58.00\n");
 }
 
 TEST(CsvRows, QuoteNamesAsRfc4180Says) {

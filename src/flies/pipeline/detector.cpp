@@ -36,17 +36,17 @@ Detector::Detector(const StereoCamera& camera, const DetectorOptions& options,
   check_detector_options(options_, "options");
 }
 
-Detection Detector::process(const RectifiedPair& pair) {
+Detection Detector::process(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion) {
   [[maybe_unused]] const detail::OneAtATime::Use use(one_at_a_time_);
   check_pair(pair);
   check_camera_fits(camera_, pair.left.width_px, pair.left.height_px, "camera");
-  auto detection = workers_->arena.execute([&] { return detect(pair); });
+  auto detection = workers_->arena.execute([&] { return detect(pair, motion); });
   last_obstacles_ = detection.concentrate.obstacles;
   ++frame_;
   return detection;
 }
 
-Detection Detector::detect(const RectifiedPair& pair) {
+Detection Detector::detect(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion) {
   const auto& [width_px, height_px] = std::pair(pair.left.width_px, pair.left.height_px);
   Detection d;
   d.road = timed(d.stage_ms, Stage::road, [&] { return estimate_road(pair, projection_, options_.road); });
@@ -56,7 +56,8 @@ Detection Detector::detect(const RectifiedPair& pair) {
                            {options_.seed, frame_}, last_obstacles_);
   });
   d.scan = timed(d.stage_ms, Stage::scan, [&] {
-    return scanner_.scan(pair, projection_, road, d.evolved.flies, options_.field, options_.scan);
+    return scanner_.scan(pair, projection_, road, d.evolved.flies, options_.field, options_.scan,
+                         motion ? &*motion : nullptr);
   });
   d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
     ConcentrateResult found =

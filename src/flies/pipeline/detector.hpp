@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -129,7 +130,8 @@ class Detector {
 
   /// @param pair of the size the camera was calibrated for
   /// @throws InputError when the images are empty, differ in size or do not fit the camera
-  Detection process(const RectifiedPair& pair);
+  /// @param motion of the camera since the pair before, where that is known: what was seen then counts on
+  Detection process(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion = std::nullopt);
 
   const StereoCamera& camera() const { return camera_; }
   const DetectorOptions& options() const { return options_; }
@@ -137,7 +139,7 @@ class Detector {
  private:
   struct Workers;
 
-  Detection detect(const RectifiedPair& pair);
+  Detection detect(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion);
 
   StereoCamera camera_;
   Projection projection_;

@@ -1,6 +1,8 @@
 #include "flies/pipeline/tracker.hpp"
 
 #include <chrono>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 namespace flies {
@@ -14,6 +16,14 @@ auto timed(double& elapsed_ms, const Run& run) {
   return result;
 }
 
+/// What of the camera's motion lies in the plane of the road; nothing when it is not known.
+std::optional<PlanarMotion> planar_motion(const EgoMotion& ego) {
+  if (!ego.is_known) return std::nullopt;
+  const RigidMotion previous_from_current = ego.current_from_previous.inverse();
+  const auto& r = previous_from_current.rotation;
+  return PlanarMotion{previous_from_current.shift.x_m, previous_from_current.shift.y_m, std::atan2(r[1][0], r[0][0])};
+}
+
 }  // namespace
 
 Tracker::Tracker(const StereoCamera& camera, const DetectorOptions& detector, const TrackerOptions& options,
@@ -24,7 +34,7 @@ Tracking Tracker::process(const RectifiedPair& pair, double time_s, const std::o
   Tracking t;
   t.time_s = time_s;
   t.ego = timed(t.ego_ms, [&] { return measured ? *measured : ego_.follow(pair, time_s); });
-  t.detection = detector_.process(pair);
+  t.detection = detector_.process(pair, planar_motion(t.ego));
   const auto sightings = sightings_of(t.detection.obstacles, t.detection.pedestrians);
   t.tracks = timed(t.track_ms, [&] { return keeper_.step(t.ego, sightings); });
   return t;

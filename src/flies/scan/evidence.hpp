@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "flies/core/fly.hpp"
+#include "flies/core/planar_motion.hpp"
 #include "flies/core/road.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/scan/cell_layout.hpp"
@@ -27,6 +28,11 @@ class Evidence {
   void collect(const CellLayout& layout, std::span<const CellPoint> points, const Population& flies,
                const Projection& projection, const RoadPlane& road, const ScanOptions& options);
 
+  /// Adds what was known at the pair before (`EvidenceOptions::memory`) to columns where this pair shows little: every
+  /// place asks what was known of it, as if all things stood still. The camera is taken to look along the vehicle's x.
+  /// @param motion from that pair to this one
+  void recall(const Evidence& before, const PlanarMotion& motion);
+
   int columns() const { return columns_; }
   int labels() const { return labels_; }  ///< disparities + 1
   /// Costs of all labels, column by column.
@@ -37,16 +43,20 @@ class Evidence {
 
  private:
   void add(int column, const Seen& seen);
+  void price(int column);
+  std::size_t start(int column) const { return static_cast<std::size_t>(column) * static_cast<std::size_t>(labels_); }
   std::span<const float> row(const std::vector<float>& values, int column) const {
-    return {values.data() + static_cast<std::size_t>(column) * static_cast<std::size_t>(labels_),
-            static_cast<std::size_t>(labels_)};
+    return {values.data() + start(column), static_cast<std::size_t>(labels_)};
   }
 
   int columns_ = 0, labels_ = 0;
-  double nearest_px_ = 0.0;       ///< parallax of disparity number 0
-  double camera_height_m_ = 0.0;  ///< above the road
+  double nearest_px_ = 0.0;                      ///< parallax of disparity number 0
+  double camera_height_m_ = 0.0;                 ///< above the road
+  double depth_parallax_ = 0.0;                  ///< depth times parallax, m px
+  double first_slope_ = 0.0, slope_step_ = 0.0;  ///< y over x of the first column, and from one to the next
   ScanOptions options_;
-  std::vector<float> cost_, support_;  ///< `cost_` holds differences from label to label while it is collected
+  std::vector<float> against_, support_;  ///< `against_` holds differences from label to label while it is collected
+  std::vector<float> cost_;
 };
 
 /// Height above the road of what is seen.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "flies/core/error.hpp"
 
@@ -172,7 +173,8 @@ void check_scan_options(const ScanOptions& options, const std::string& source) {
 }
 
 Scan Scanner::scan(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road,
-                   const Population& flies, const FieldOptions& field, const ScanOptions& options) {
+                   const Population& flies, const FieldOptions& field, const ScanOptions& options,
+                   const PlanarMotion* motion) {
   if (!options.enable) return {};
   lay_out_cells(pair, projection, road, options, layout_);
   if (layout_.bands > 0)
@@ -194,7 +196,9 @@ Scan Scanner::scan(const RectifiedPair& pair, const Projection& projection, cons
   else
     matches_.clear();
   read_points(layout_, matches_, memory_.left, projection.disparity_offset_px(), options.cells, points_);
+  std::swap(evidence_, before_);
   evidence_.collect(layout_, points_, flies, projection, road, options);
+  if (motion != nullptr) evidence_.recall(before_, *motion);
   auto& labels =
       find_best_path({evidence_.costs(), evidence_.columns(), evidence_.labels()}, options.evidence, path_memory_);
   trim_surfaces(evidence_, options.evidence, labels);

@@ -31,18 +31,20 @@ void check_scan_options(const ScanOptions& options, const std::string& source);
 Scan scan(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road, const Population& flies,
           const FieldOptions& field, const ScanOptions& options);
 
-/// The same for pair after pair; keeps memory and nothing else from call to call.
+/// The same for pair after pair, whose evidence adds up where the motion between them is known.
 class Scanner {
  public:
+  /// @param motion from the pair before to this one: what was known then still counts (`ScanOptions::memory`); null
+  ///               when it is not known: it is forgotten
   Scan scan(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road, const Population& flies,
-            const FieldOptions& field, const ScanOptions& options);
+            const FieldOptions& field, const ScanOptions& options, const PlanarMotion* motion = nullptr);
 
  private:
   CellLayout layout_;
   kernels::CellMemory memory_;
   std::vector<kernels::CellMatch> matches_;
   std::vector<CellPoint> points_;
-  Evidence evidence_;
+  Evidence evidence_, before_;
   PathMemory path_memory_;
 };
 

@@ -41,6 +41,8 @@ struct EvidenceOptions {
   double slant = 0.28;
   double jump = 12.0;
   double end = 3.4;
+  double memory = 0.8;
+  double recall_below = 4.0;
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
@@ -57,6 +59,10 @@ struct EvidenceOptions {
     field("slant", self.slant, Range{0, 100}, "cost of a pixel of disparity between neighbouring directions");
     field("jump", self.jump, Range{0, 100}, "cost of a larger step between neighbouring directions");
     field("end", self.end, Range{0, 100}, "cost of a step to or from a direction without an obstacle");
+    field("memory", self.memory, Range{0, 0.95},
+          "share of what was known at the pair before that counts again, where the motion since then is known");
+    field("recall_below", self.recall_below, Range{0.1, 100},
+          "the less, down to none where a direction shows an obstacle by this many cells");
   }
 };
 

@@ -174,6 +174,54 @@ TEST(Scan, GivesTheSameAfterOtherPairs) {
   EXPECT_EQ(first.confidence, again.confidence);
 }
 
+Scan next_scan(Scanner& scanner, const Drawn& drawn, const PlanarMotion* motion) {
+  return scanner.scan(drawn.pair(), Projection(camera()), {}, {}, {}, {}, motion);
+}
+
+TEST(Scanner, RemembersWhatStoodWhereNothingCanBeSeen) {
+  Drawn drawn;
+  drawn.paint_road();
+  drawn.paint_board(10.0, 1.6, 280, 380);
+  for (const PlanarMotion motion : {PlanarMotion{1.0, 0.0, 0.0}, PlanarMotion{0.0, 0.0, 0.1}}) {
+    Scanner scanner;
+    next_scan(scanner, drawn, nullptr);
+    const Scan scan = next_scan(scanner, Drawn(), &motion);  // fog
+    const Point3 middle = motion.now({10.0, -10.0 * (330.0 - 320.0) / 400.0, 0.0});
+    const double u_px = 320.0 - 400.0 * middle.y_m / middle.x_m;
+    const auto board = sectors_between(scan, u_px - 30, u_px + 30);
+    ASSERT_GE(board.size(), 10U);
+    for (const std::size_t i : board) {
+      EXPECT_EQ(scan.states[i], SectorState::obstacle) << i;
+      EXPECT_NEAR(scan.ranges_m[i], std::hypot(middle.x_m, middle.y_m), 0.4) << i;
+    }
+  }
+}
+
+TEST(Scanner, ForgetsWhenTheMotionIsNotKnown) {
+  Drawn drawn;
+  drawn.paint_road();
+  drawn.paint_board(10.0, 1.6, 280, 380);
+  Scanner scanner;
+  next_scan(scanner, drawn, nullptr);
+  for (const SectorState state : next_scan(scanner, Drawn(), nullptr).states) EXPECT_EQ(state, SectorState::unknown);
+  const PlanarMotion still;
+  for (const SectorState state : next_scan(scanner, Drawn(), &still).states) EXPECT_EQ(state, SectorState::unknown);
+}
+
+TEST(Scanner, LetsGoOfWhatLeftWithinThreePairs) {
+  Drawn with, without;
+  with.paint_road();
+  without.paint_road();
+  for (Drawn* drawn : {&with, &without}) drawn->paint_board(30.0, 2.0, 100, 600);  // a wall behind
+  with.paint_board(10.0, 1.6, 280, 380);
+  Scanner scanner;
+  const PlanarMotion still;
+  for (int i = 0; i < 5; ++i) next_scan(scanner, with, &still);
+  Scan scan;
+  for (int i = 0; i < 3; ++i) scan = next_scan(scanner, without, &still);
+  for (const std::size_t i : sectors_between(scan, 250, 400)) EXPECT_NEAR(scan.ranges_m[i], 30.0, 3.0) << i;
+}
+
 TEST(Scan, AFlyAloneIsEvidence) {
   // Without texture the cells say nothing; fit flies do.
   Population flies;

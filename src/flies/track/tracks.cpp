@@ -54,7 +54,12 @@ double hidden_share(const Track& track, std::span<const Sighting> sightings) {
 
 std::vector<Sighting> sightings_of(std::span<const Obstacle> obstacles, std::span<const Pedestrian> people) {
   std::vector<Sighting> sightings;
-  for (const auto& o : obstacles) sightings.push_back({o.x_m, o.y_m, o.width_m, o.height_m, o.box, std::nullopt});
+  for (const auto& o : obstacles) {
+    const double angle_rad = std::atan2(o.y_m, o.x_m) + (o.range_m > 0.0 ? o.middle_offset_m / o.range_m : 0.0);
+    const double range_m = std::hypot(o.x_m, o.y_m);
+    sightings.push_back(
+        {range_m * std::cos(angle_rad), range_m * std::sin(angle_rad), o.width_m, o.height_m, o.box, std::nullopt});
+  }
   const std::size_t count = sightings.size();
   for (const auto& person : people) {
     double nearest_m = kMinPersonGap_m + kPersonGapShare * person.range_m;

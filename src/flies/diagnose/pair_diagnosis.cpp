@@ -1,0 +1,145 @@
+#include "flies/diagnose/pair_diagnosis.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "flies/road/road.hpp"
+
+namespace flies {
+namespace {
+
+constexpr int kColumns = 20, kRows = 8;
+constexpr double kTexture_gray = 3.0;  ///< standard deviation of a cell that can be matched
+constexpr int kDark_gray = 8, kBright_gray = 247;
+
+/// Below this nothing is to be seen: a lens cap, fog, darkness.
+constexpr double kNothingTextured = 0.1;
+constexpr int kMinPatches = 40;
+/// Good pairs of streets have 0.32 and more; wrong calibrations, rows 3 px apart and other frames less than 0.2.
+constexpr double kFewMatched = 0.2;
+constexpr double kManyBeyond = 0.15;
+constexpr int kMinBeyond = 8;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void see_levels(const GrayView& image, PairDiagnosis& diagnosis) {
+  int textured = 0;
+  double dark = 0.0, bright = 0.0;
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      const int first_v = image.height_px * row / kRows, end_v = image.height_px * (row + 1) / kRows;
+      const int first_u = image.width_px * column / kColumns, end_u = image.width_px * (column + 1) / kColumns;
+      double sum = 0.0, squares = 0.0;
+      for (int v = first_v; v < end_v; ++v)
+        for (int u = first_u; u < end_u; ++u) {
+          const int level = image.row(v)[u];
+          sum += level;
+          squares += level * level;
+          dark += level <= kDark_gray;
+          bright += level >= kBright_gray;
+        }
+      const double pixels = std::max(1, (end_v - first_v) * (end_u - first_u));
+      textured += squares / pixels - (sum / pixels) * (sum / pixels) >= kTexture_gray * kTexture_gray;
+    }
+  const double pixels = static_cast<double>(image.width_px) * image.height_px;
+  diagnosis.textured_share = static_cast<double>(textured) / (kColumns * kRows);
+  diagnosis.dark_share = dark / pixels;
+  diagnosis.bright_share = bright / pixels;
+}
+
+std::string what_hides(const PairDiagnosis& d) {
+  constexpr double kMost = 0.5;
+  if (d.dark_share > kMost) return "the image is nearly black (a lens cap, night, too short an exposure)";
+  if (d.bright_share > kMost) return "the image is nearly white (the sun, too long an exposure)";
+  return "the image is nearly uniform (a lens cap, fog, a wall)";
+}
+
+}  // namespace
+
+double PairDiagnosis::matched_share() const {
+  return evidence.patches == 0 ? 0.0 : static_cast<double>(evidence.nearer + evidence.distant) / evidence.patches;
+}
+
+double PairDiagnosis::beyond_share() const {
+  const int found = evidence.nearer + evidence.distant + evidence.beyond;
+  return found == 0 ? 0.0 : static_cast<double>(evidence.beyond) / found;
+}
+
+PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camera) {
+  PairDiagnosis diagnosis;
+  see_levels(pair.left, diagnosis);
+  diagnosis.evidence = gather_pair_evidence(pair, camera);
+  diagnosis.rows = fit_row_error(match_corners(pair), pair.left.width_px);
+  diagnosis.road_found = estimate_road(pair, Projection(camera), {}).found;
+  return diagnosis;
+}
+
+PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
+  PairDiagnosis run;
+  std::vector<double> textured, dark, bright;
+  std::vector<RowError> rows;
+  int roads = 0;
+  for (const auto& pair : pairs) {
+    textured.push_back(pair.textured_share);
+    dark.push_back(pair.dark_share);
+    bright.push_back(pair.bright_share);
+    run.evidence.patches += pair.evidence.patches;
+    run.evidence.nearer += pair.evidence.nearer;
+    run.evidence.beyond += pair.evidence.beyond;
+    run.evidence.distant += pair.evidence.distant;
+    if (pair.rows) rows.push_back(*pair.rows);
+    roads += pair.road_found;
+  }
+  run.textured_share = median(std::move(textured));
+  run.dark_share = median(std::move(dark));
+  run.bright_share = median(std::move(bright));
+  run.rows = median_row_error(rows);
+  run.road_found = roads > 0;
+  return run;
+}
+
+std::vector<std::string> complaints(const PairDiagnosis& d) {
+  std::vector<std::string> found;
+  if (d.textured_share < kNothingTextured) {
+    found.push_back(
+        fmt::format("there is nothing to match in {:.0f} % of the left image, so nothing seen does not mean "
+                    "that nothing is there: {}",
+                    100.0 * (1.0 - d.textured_share), what_hides(d)));
+    return found;  // all else follows from that
+  }
+  const double row_error_px = d.rows ? d.rows->largest_px() : 0.0;
+  if (row_error_px >= kRowErrorMatters_px)
+    found.push_back(fmt::format(
+        "rows of the right image lie {:+.1f} px lower than those of the left one in the middle, {:+.1f} and {:+.1f} px "
+        "at "
+        "the sides: the pair is not quite rectified (the rig was bent or the calibration is another's); --self-rectify "
+        "on makes up for it",
+        d.rows->offset_px, d.rows->at(0.0), d.rows->at(2.0 * d.rows->middle_u_px)));
+  if (d.evidence.patches >= kMinPatches && d.matched_share() < kFewMatched)
+    found.push_back(fmt::format(
+        "only {:.0f} % of the places of the left image are found on their row of the right one (32 % and more in good "
+        "pairs): check that the calibration is of these cameras and these images (rectified or raw, not transposed), "
+        "and "
+        "that both were taken at the same moment",
+        100.0 * d.matched_share()));
+  if (d.evidence.beyond >= kMinBeyond && d.beyond_share() > kManyBeyond)
+    found.push_back(fmt::format(
+        "{:.0f} % of the places that are found would lie beyond infinity: the cameras look towards each other "
+        "or a principal point is wrong, so ranges are too; check cx of both cameras",
+        100.0 * d.beyond_share()));
+  if (!d.road_found)
+    found.push_back(
+        "no road was found where the mount of the camera says it is: heights and obstacles may be wrong; check "
+        "--camera-height and --camera-pitch");
+  return found;
+}
+
+}  // namespace flies

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "flies/core/gray_view.hpp"
+#include "flies/core/stereo_camera.hpp"
+#include "flies/diagnose/row_error.hpp"
+#include "flies/io/pair_check.hpp"
+
+namespace flies {
+
+/// What can be told from a pair, and over a run of pairs, about whether images and calibration belong together.
+struct PairDiagnosis {
+  double textured_share = 0.0;   ///< of the cells of a grid of 20 x 8 that show anything to match
+  double dark_share = 0.0;       ///< of the pixels of the left image that are black (8 grey levels at most)
+  double bright_share = 0.0;     ///< that are white (247 and more)
+  PairEvidence evidence;         ///< patches and where they are found along their rows
+  std::optional<RowError> rows;  ///< nothing: too few corners to tell
+  bool road_found = false;       ///< the road's plane agrees with the mount of the camera
+
+  /// Of the patches, those found on their row at or before infinity; 0.32 and more in good pairs of streets.
+  double matched_share() const;
+  /// Of the places found, those beyond infinity, which cannot be.
+  double beyond_share() const;
+};
+
+/// Takes some 30 ms; `Detector` does not call it.
+/// @param pair 64 x 48 px at least, both images of one size
+PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camera);
+
+/// What a run of pairs says together: sums and medians.
+PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs);
+
+/// What is not as it should be, one sentence each with what to check; empty when all looks right.
+std::vector<std::string> complaints(const PairDiagnosis& diagnosis);
+
+/// Row errors of this size cost obstacles; smaller ones do no harm. Pixels, at the side of the image.
+inline constexpr double kRowErrorMatters_px = 0.5;
+
+}  // namespace flies

@@ -1,0 +1,92 @@
+#include "flies/diagnose/pair_diagnosis.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "flies/diagnose/textured_pair.hpp"
+
+namespace flies {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+StereoCamera camera(double cx_right_px = 320) {
+  return {.fx_px = 400,
+          .fy_px = 400,
+          .cx_px = 320,
+          .cx_right_px = cx_right_px,
+          .cy_px = 80,
+          .baseline_m = 0.5,
+          .width_px = 640,
+          .height_px = 240,
+          .mount = {.height_m = 1.5}};
+}
+
+std::vector<std::string> complaints_of(const GrayPair& pair, const StereoCamera& camera) {
+  return complaints(diagnose_pair(pair.view(), camera));
+}
+
+TEST(DiagnosePair, AGoodPairIsMatchedAndInRow) {
+  const auto diagnosis = diagnose_pair(textured_pair(8.0, 0.0, 0.0).view(), camera());
+  EXPECT_GT(diagnosis.textured_share, 0.9);
+  EXPECT_GT(diagnosis.matched_share(), 0.5);
+  EXPECT_EQ(diagnosis.evidence.beyond, 0);
+  ASSERT_TRUE(diagnosis.rows);
+  EXPECT_LT(diagnosis.rows->largest_px(), 0.3);
+}
+
+TEST(DiagnosePair, ToldIsARowErrorWithItsSize) {
+  EXPECT_THAT(complaints_of(textured_pair(8.0, 2.0, 0.0), camera()), Contains(HasSubstr("lie +2.0 px lower")));
+  EXPECT_THAT(complaints_of(textured_pair(8.0, 0.0, 0.0), camera()), Not(Contains(HasSubstr("lower"))));
+}
+
+TEST(DiagnosePair, ToldIsACameraThatSeesPlacesBeyondInfinity) {
+  // Infinity is at 20 px by this calibration, what is seen lies at 8.
+  EXPECT_THAT(complaints_of(textured_pair(8.0, 0.0, 0.0), camera(300)), Contains(HasSubstr("beyond infinity")));
+}
+
+TEST(DiagnosePair, ToldIsThatThereIsNothingToSee) {
+  const auto filled = [](std::uint8_t level) {
+    const GrayImage image{640, 240, std::vector<std::uint8_t>(640 * 240, level)};
+    return GrayPair{image, image};
+  };
+  EXPECT_THAT(complaints_of(filled(2), camera()), ElementsAre(HasSubstr("nearly black")));
+  EXPECT_THAT(complaints_of(filled(254), camera()), ElementsAre(HasSubstr("nearly white")));
+  EXPECT_THAT(complaints_of(filled(120), camera()), ElementsAre(HasSubstr("nearly uniform")));
+}
+
+TEST(DiagnosePair, ToldIsThatFewPlacesAreFound) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  const GrayPair other = textured_pair(8.0, 60.0, 0.0);
+  pair.right = other.right;
+  EXPECT_THAT(complaints_of(pair, camera()), Contains(HasSubstr("found on their row")));
+}
+
+TEST(DiagnoseRun, AddsUpWhatItsPairsSay) {
+  const auto good = diagnose_pair(textured_pair(8.0, 1.0, 0.0).view(), camera());
+  PairDiagnosis blank;
+  const auto run = diagnose_run({good, blank, good});
+  EXPECT_EQ(run.evidence.patches, 2 * good.evidence.patches);
+  EXPECT_EQ(run.textured_share, good.textured_share);
+  ASSERT_TRUE(run.rows);
+  EXPECT_NEAR(run.rows->offset_px, 1.0, 0.1);
+}
+
+TEST(Complaints, ThereAreNoneWhereAllIsWell) {
+  PairDiagnosis diagnosis;
+  diagnosis.textured_share = 0.8;
+  diagnosis.evidence = {100, 30, 1, 8};
+  diagnosis.road_found = true;
+  EXPECT_TRUE(complaints(diagnosis).empty());
+  diagnosis.road_found = false;
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("--camera-height")));
+}
+
+}  // namespace
+}  // namespace flies

@@ -1,0 +1,112 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "run_flies.hpp"
+#include "street_pair.hpp"
+
+namespace flies::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using Words = std::vector<std::string>;
+
+constexpr double kRows_px = 3.0;
+
+struct Check : ::testing::Test {
+  Check() { write_street(folder.path()); }
+
+  /// Writes low.png: the right image `kRows_px` lower.
+  void write_low_right() const {
+    cv::Mat low;
+    const cv::Matx23d moved(1, 0, 0, 0, 1, kRows_px);
+    cv::warpAffine(street_pair().right, low, moved, street_pair().right.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    cv::imwrite((folder.path() / "low.png").string(), low);
+  }
+  RunResult check(const std::string& right, const Words& more = {}) const {
+    Words words = {"check", "left.png",       right, "--calib", "calib.txt", "--camera-height",
+                   "1.65",  "--camera-pitch", "0"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_flies(folder.path(), words);
+  }
+  RunResult detect(const std::string& right, const Words& more = {}) const {
+    Words words = {"detect", "left.png",       right, "--calib", "calib.txt", "--camera-height",
+                   "1.65",   "--camera-pitch", "0",   "--json",  "-"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_flies(folder.path(), words);
+  }
+  static bool finds_the_box(const json& record) {
+    for (const auto& obstacle : record.at("obstacles"))
+      if (std::abs(obstacle.at("x_m").get<double>() - kBoxX_m) < 0.5 &&
+          std::abs(obstacle.at("y_m").get<double>() - kBoxY_m) < 0.7)
+        return true;
+    return false;
+  }
+  TestFolder folder;
+};
+
+TEST_F(Check, SaysThatAGoodPairLooksRight) {
+  const RunResult result = check("right.png", {"--picture", "rows.png"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("looks right"));
+  const cv::Mat picture = cv::imread((folder.path() / "rows.png").string());
+  EXPECT_GE(picture.cols, 640);
+  const json record = json::parse(check("right.png", {"--json"}).out);
+  EXPECT_TRUE(record.at("looks_right").get<bool>());
+  EXPECT_NEAR(record.at("row_offset_px").get<double>(), 0.0, 0.2);
+  EXPECT_GT(record.at("matched_share").get<double>(), 0.32);
+}
+
+TEST_F(Check, SaysByHowMuchRowsLieApart) {
+  write_low_right();
+  const RunResult result = check("low.png");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("to check:"));
+  EXPECT_THAT(result.out, HasSubstr("--self-rectify"));
+  EXPECT_NEAR(json::parse(check("low.png", {"--json"}).out).at("row_offset_px").get<double>(), kRows_px, 0.2);
+}
+
+TEST_F(Check, DetectMakesUpForRowsThatLieApartAndSaysSo) {
+  write_low_right();
+  const RunResult result = detect("low.png");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("made up for"));
+  const json record = json::parse(result.out);
+  EXPECT_TRUE(finds_the_box(record)) << result.out;
+  EXPECT_NEAR(record.at("diagnosis").at("corrected_row_offset_px").get<double>(), kRows_px, 0.2);
+  EXPECT_NEAR(record.at("diagnosis").at("row_offset_px").get<double>(), 0.0, 0.2);
+}
+
+TEST_F(Check, DetectLeavesThemOnRequestAndSaysSo) {
+  write_low_right();
+  const RunResult result = detect("low.png", {"--self-rectify", "off"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("px lower"));
+  EXPECT_TRUE(json::parse(result.out).at("diagnosis").at("corrected_row_offset_px").is_null());
+  EXPECT_EQ(detect("low.png", {"--self-rectify", "maybe"}).status, 2);
+}
+
+TEST_F(Check, TellsALensCapFromAnEmptyRoad) {
+  const cv::Mat black = street_pair().left * 0.0;
+  cv::imwrite((folder.path() / "left.png").string(), black);
+  cv::imwrite((folder.path() / "right.png").string(), black);
+  EXPECT_THAT(check("right.png").out, HasSubstr("nearly black"));
+  EXPECT_THAT(detect("right.png").err, HasSubstr("nothing seen does not mean that nothing is there"));
+}
+
+TEST_F(Check, RefusesWhatDetectRefuses) {
+  const RunResult missing = check("nowhere.png");
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_EQ(lines(missing.err).size(), 1U);
+  EXPECT_THAT(missing.err, HasSubstr("nowhere.png"));
+}
+
+}  // namespace
+}  // namespace flies::testing
