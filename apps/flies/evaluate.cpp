@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "flies/core/options.hpp"
 #include "flies/eval/dataset.hpp"
 #include "flies/eval/evaluation.hpp"
+#include "flies/eval/sequence.hpp"
 #include "flies/eval/unlabelled.hpp"
 #include "flies/io/output_file.hpp"
 #include "method_arguments.hpp"
@@ -43,6 +45,7 @@ struct EvaluateArguments {
   Overrides match, people, estimate, sectors, dense, hog;  ///< dotted name and text
   std::string unlabelled, json, plot, scan_plot;
   bool missed = false;
+  std::optional<bool> sequence;  ///< nothing: where it can be followed
 };
 
 flies::DatasetRequest dataset_request(const EvaluateArguments& arguments) {
@@ -123,6 +126,28 @@ std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const 
   return methods;
 }
 
+/// Whether the pairs are to be followed as one sequence as well.
+bool wants_sequence(const EvaluateArguments& arguments, const flies::Dataset& dataset) {
+  const bool can_follow = flies::is_followable(dataset) && arguments.step == 1;
+  if (!arguments.sequence.value_or(can_follow && arguments.detections.empty())) return false;
+  if (arguments.step != 1)
+    throw flies::InputError("command line", "--sequence",
+                            fmt::format("needs every pair, expected --step 1, found {}", arguments.step));
+  if (!flies::is_followable(dataset))
+    throw flies::InputError(arguments.folder, "--sequence",
+                            "times and motion of the pairs are not known, expected a KITTI drive with oxts from its "
+                            "first pair on");
+  return true;
+}
+
+flies::SequenceResult follow(const EvaluateArguments& arguments, const flies::Dataset& dataset,
+                             const std::vector<std::size_t>& frames, const EvaluationContext& context) {
+  const ProgressBar progress(frames.size(), "pairs followed");
+  return flies::evaluate_sequence(dataset, frames.front(), frames.back() + 1, context.options, {},
+                                  classifier_for(arguments.method.preset, arguments.model), context.measuring,
+                                  [&](std::size_t done) { progress.show(done); });
+}
+
 void run_evaluate(const EvaluateArguments& arguments) {
   EvaluationContext context;
   context.folder = arguments.folder;
@@ -138,6 +163,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
         flies::with_unlabelled(std::move(dataset), flies::read_unlabelled(arguments.unlabelled), arguments.unlabelled);
   context.kind = dataset.kind;
   const auto frames = frames_of(arguments, dataset.pairs.size());
+  const bool follows = wants_sequence(arguments, dataset);
   const auto methods = methods_of(arguments, context.options, dataset);
   std::optional<flies::OutputFile> json;
   if (!arguments.json.empty()) json.emplace(arguments.json);
@@ -153,16 +179,19 @@ void run_evaluate(const EvaluateArguments& arguments) {
   const auto evaluation =
       flies::evaluate(dataset, frames, methods, context.measuring, [&](std::size_t done) { progress->show(done); });
   progress.reset();
+  std::optional<flies::SequenceResult> sequence;
+  if (follows) sequence = follow(arguments, dataset, frames, context);
 
   say_notes(dataset.notes);
   if (!arguments.plot.empty()) flies::write_png(arguments.plot, people_curves(evaluation));
   if (!arguments.scan_plot.empty()) flies::write_png(arguments.scan_plot, scan_curves(evaluation));
   if (json) {
-    json->write(evaluation_json(evaluation, context));
+    json->write(evaluation_json(evaluation, context, sequence));
     json->commit();
   }
   if (arguments.json == "-") return;
   print(evaluation_table(evaluation, context));
+  if (sequence) print(sequence_table(*sequence, context));
   if (arguments.missed) print(missed_table(evaluation));
 }
 
@@ -233,6 +262,11 @@ void setup_evaluate(CLI::App& app) {
   add_dotted_options<flies::SectorOptions>(*command, "sectors", arguments->sectors);
   add_dotted_options<flies::PeopleOptions>(*command, "people", arguments->people);
   add_dotted_options<flies::EstimateOptions>(*command, "estimate", arguments->estimate);
+  command
+      ->add_flag_function(
+          "--sequence,!--no-sequence", [arguments](std::int64_t count) { arguments->sequence = count > 0; },
+          "follow the pairs as one sequence and measure tracks; default where times and motion are known")
+      ->group("Method");
   command->add_flag("--missed", arguments->missed, "list what was missed and, of people, false alarms, pair by pair")
       ->group("Output");
   command->add_option("--plot", arguments->plot, "people: miss rate over false alarms a pair, as PNG")

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 
 #include "flies/eval/evaluation.hpp"
+#include "flies/eval/sequence.hpp"
 
 /// What was evaluated and how, beside the numbers.
 struct EvaluationContext {
@@ -19,6 +21,9 @@ struct EvaluationContext {
 /// The measures for people to read: a column a method.
 std::string evaluation_table(const flies::Evaluation& evaluation, const EvaluationContext& context);
 
+/// What following the pairs as one sequence gave.
+std::string sequence_table(const flies::SequenceResult& sequence, const EvaluationContext& context);
+
 /// The missed objects, the missed people and the false alarms, a line each.
 std::string missed_table(const flies::Evaluation& evaluation);
 
@@ -29,4 +34,5 @@ cv::Mat people_curves(const flies::Evaluation& evaluation);
 cv::Mat scan_curves(const flies::Evaluation& evaluation);
 
 /// Everything as one JSON object, see docs/evaluation.md.
-std::string evaluation_json(const flies::Evaluation& evaluation, const EvaluationContext& context);
+std::string evaluation_json(const flies::Evaluation& evaluation, const EvaluationContext& context,
+                            const std::optional<flies::SequenceResult>& sequence = std::nullopt);

@@ -83,6 +83,16 @@ TEST_F(Evaluate, WritesTheDocumentedJson) {
   EXPECT_EQ(method(evaluation, 0).at("by_range").at("10-20 m").at("objects"), 2);
 }
 
+TEST_F(Evaluate, FollowsOnlyWhatIsASequence) {
+  const RunResult result = run_flies(folder.path(), evaluate({"--json", "-"}));
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_TRUE(json::parse(result.out).at("sequence").is_null());
+  const RunResult asked = run_flies(folder.path(), evaluate({"--sequence"}));
+  EXPECT_EQ(asked.status, 2);
+  EXPECT_EQ(asked.out, "");
+  EXPECT_THAT(asked.err, HasSubstr("times and motion of the pairs are not known"));
+}
+
 TEST_F(Evaluate, PrintsATableAndTheMissedObjects) {
   write_text(folder.path() / "d.jsonl", "{\"obstacles\": [{\"x_m\": 10, \"y_m\": 1}]}\n{\"obstacles\": []}\n");
   const RunResult result = run_flies(folder.path(), evaluate({"--detections", "d.jsonl", "--missed"}));

@@ -10,6 +10,7 @@
 #include "flies/core/error.hpp"
 #include "flies/eval/disparity_map.hpp"
 #include "flies/eval/foot_truth.hpp"
+#include "flies/eval/kitti_motion.hpp"
 #include "flies/eval/kitti_truth.hpp"
 #include "flies/eval/scene_truth.hpp"
 #include "flies/io/calibration.hpp"
@@ -77,6 +78,26 @@ GrayPair load_images(const PairPaths& pair, const StereoCamera& camera) {
 
 std::string stem_of(const std::string& path) { return fs::path(path).stem().string(); }
 
+/// Times and motion of the pairs of a drive; left empty where its GPS/IMU does not cover them from the first one on.
+/// The laser triggers the cameras evenly, while the times of the GPS/IMU step by 10 ms: over all pairs both keep the
+/// same time, so even times are right.
+void add_motion(const fs::path& drive, Dataset& dataset) {
+  if (!fs::exists(drive / "oxts" / "timestamps.txt")) return;
+  const auto motion = read_kitti_motion(drive);
+  const std::size_t count = dataset.pairs.size();
+  if (motion.size() < count || count < 2) return;
+  for (std::size_t i = 0; i < count; ++i)
+    if (fs::path(dataset.pairs[i].left).stem() != fmt::format("{:010}", i)) return;
+  const double interval_s = motion[count - 1].time_s / static_cast<double>(count - 1);
+  dataset.true_ego.emplace_back();
+  for (std::size_t i = 0; i < count; ++i) dataset.times_s.push_back(static_cast<double>(i) * interval_s);
+  for (std::size_t i = 1; i < count; ++i) {
+    const auto &a = motion[i - 1], &b = motion[i];
+    dataset.true_ego.push_back(given_ego_motion(interval_s, (a.vx_mps + b.vx_mps) / 2, (a.vy_mps + b.vy_mps) / 2,
+                                                (a.yaw_rate_rps + b.yaw_rate_rps) / 2));
+  }
+}
+
 Dataset open_kitti_drive(const fs::path& folder, const DatasetRequest& request) {
   refuse_calib(folder, request);
   const bool has_grey = fs::is_directory(folder / "image_00") && fs::is_directory(folder / "image_01");
@@ -91,6 +112,7 @@ Dataset open_kitti_drive(const fs::path& folder, const DatasetRequest& request) 
 
   Dataset dataset{.kind = TruthKind::kitti_drive, .is_sequence = true};
   dataset.pairs = find_pairs(images(cameras[0]), images(cameras[1]));
+  add_motion(drive, dataset);
   dataset.load = [truth, camera, pairs = dataset.pairs](std::size_t i) {
     return TruthFrame{load_images(pairs[i], camera), camera, truth->read(stem_of(pairs[i].left))};
   };

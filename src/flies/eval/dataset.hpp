@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "flies/core/stereo_camera.hpp"
+#include "flies/ego/ego_motion.hpp"
 #include "flies/eval/truth.hpp"
 #include "flies/io/gray_image.hpp"
 #include "flies/io/pair_source.hpp"
@@ -48,6 +49,8 @@ struct Dataset {
   std::vector<PairPaths> pairs = {};    ///< in order
   std::vector<std::string> notes = {};  ///< sentences on what was assumed
   std::function<TruthFrame(std::size_t)> load = {};  ///< reads a pair by its index; throws InputError
+  std::vector<double> times_s = {};                  ///< of the pairs, ascending; empty when not known
+  std::vector<EgoMotion> true_ego = {};  ///< since the pair before, unknown at the first; empty when not known
 };
 
 /// Opens a folder; its kind is recognised from its content.

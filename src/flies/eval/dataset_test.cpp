@@ -178,6 +178,34 @@ TEST(OpenDataset, ReadsAKittiDriveWithTheCamerasItHas) {
   EXPECT_THAT(error_of([&] { open_dataset(folder.path("day/drive"), request); }), HasSubstr("image_00"));
 }
 
+TEST(OpenDataset, TakesTimesAndMotionOfADriveFromItsGpsAndImu) {
+  const Folder folder;
+  add_drive(folder);
+  EXPECT_TRUE(open_dataset(folder.path("day/drive")).times_s.empty()) << "no oxts";
+  folder.add("day/calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: 0 0 0\n");
+  std::string stamps;
+  for (int i = 0; i < 6; ++i) {
+    stamps += "2011-09-26 13:02:0" + std::to_string(i / 2) + (i % 2 == 0 ? ".000000000\n" : ".500000000\n");
+    std::string numbers;
+    for (int k = 0; k < 30; ++k) numbers += k == 8 ? std::to_string(2 * i) + " " : "0 ";
+    folder.add("day/drive/oxts/data/000000000" + std::to_string(i) + ".txt", numbers);
+  }
+  folder.add("day/drive/oxts/timestamps.txt", stamps);
+  EXPECT_TRUE(open_dataset(folder.path("day/drive")).times_s.empty()) << "its pairs do not begin with the first";
+  for (const char* camera : {"2", "3"})
+    for (const char* name : {"0", "1"})
+      folder.add(std::string("day/drive/image_0") + camera + "/data/000000000" + name + ".pgm", picture(1));
+  for (const char* camera : {"2", "3"})
+    for (const char* name : {"4", "5"})
+      fs::remove(folder.path(std::string("day/drive/image_0") + camera + "/data/000000000" + name + ".pgm"));
+  const Dataset dataset = open_dataset(folder.path("day/drive"));
+  ASSERT_EQ(dataset.times_s.size(), 2u);
+  EXPECT_NEAR(dataset.times_s[1], 0.5, 1e-9);
+  ASSERT_EQ(dataset.true_ego.size(), 2u);
+  EXPECT_FALSE(dataset.true_ego[0].is_known);
+  EXPECT_NEAR(dataset.true_ego[1].vx_mps, 1.0, 1e-9) << "the mean of 0 and 2 m/s";
+}
+
 /// A map of one disparity, which is a wall ahead.
 cv::Mat wall_map(int width_px = 80) { return {60, width_px, CV_16UC1, cv::Scalar(3 * 256)}; }
 

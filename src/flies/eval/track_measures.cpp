@@ -57,9 +57,51 @@ const Track* track_of(const LabelledObject& object, std::span<const Track> track
 }
 
 struct History {
-  std::optional<std::uint64_t> last_id;
-  bool was_missed = false;  ///< in view and not found since it was last found
+  std::optional<std::uint64_t> last_id = {};
+  bool was_missed = false;       ///< in view and not found since it was last found
+  double since_s = 0.0;          ///< first pair in view
+  int moving = 0, standing = 0;  ///< pairs with a true velocity
+  std::optional<double> report_s = {}, velocity_s = {};
 };
+
+/// Squared error over the covariance of two numbers of the state, from the first of them on.
+double normalised(const Track& track, std::size_t from, double error_1, double error_2) {
+  const auto& p = track.state.covariance;
+  const double a = p[from][from], b = p[from][from + 1], c = p[from + 1][from + 1];
+  return (c * error_1 * error_1 - 2 * b * error_1 * error_2 + a * error_2 * error_2) / (a * c - b * b);
+}
+
+/// The near face in the middle of the bearings that the footprint covers: where a track of it should be.
+std::optional<Point3> seen_place(const LabelledObject& object) {
+  constexpr double kWholeInView = 0.99;
+  const Footprint& f = object.footprint;
+  if (object.occlusion != 0 || object.in_view_fraction < kWholeInView) return std::nullopt;
+  const double c = std::cos(f.yaw_rad), s = std::sin(f.yaw_rad);
+  double low_rad = 0.0, high_rad = 0.0;  // from the bearing of the centre
+  const double centre_rad = std::atan2(f.y_m, f.x_m);
+  for (const double along : {-f.length_m / 2, f.length_m / 2})
+    for (const double across : {-f.width_m / 2, f.width_m / 2}) {
+      const double x_m = f.x_m + c * along - s * across, y_m = f.y_m + s * along + c * across;
+      const double bearing_rad = std::atan2(y_m, x_m) - centre_rad;
+      low_rad = std::min(low_rad, bearing_rad);
+      high_rad = std::max(high_rad, bearing_rad);
+    }
+  const double middle_rad = centre_rad + (low_rad + high_rad) / 2;
+  const auto range_m = near_face_range_m(f, middle_rad);
+  if (!range_m) return std::nullopt;
+  return Point3{*range_m * std::cos(middle_rad), *range_m * std::sin(middle_rad), 0.0};
+}
+
+/// Sums up when things had their first track and velocity.
+void add_first_times(const std::map<int, History>& histories, TrackMeasures& m) {
+  for (const auto& [track, history] : histories) {
+    if (history.report_s) m.first_report_s.push_back(*history.report_s - history.since_s);
+    m.never_reported += !history.report_s;
+    if (history.moving <= history.standing) continue;
+    if (history.velocity_s) m.first_velocity_s.push_back(*history.velocity_s - history.since_s);
+    m.never_with_velocity += !history.velocity_s;
+  }
+}
 
 }  // namespace
 
@@ -67,12 +109,15 @@ TrackMeasures measure_tracks(std::span<const TrackedTruth> frames, const TrackMa
   TrackMeasures m;
   std::map<int, History> histories;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const auto& [truth, ego, tracks] = frames[i];
+    const auto& [truth, ego, tracks, time_s] = frames[i];
     for (const auto& object : truth.objects) {
       const double range_m = near_range_m(object.footprint);
       if (!object.visible || range_m < options.min_range_m || range_m > options.max_range_m) continue;
       ++m.objects;
-      History& history = histories[object.track];
+      History& history = histories.try_emplace(object.track, History{.since_s = time_s}).first->second;
+      const auto velocity = true_velocity(frames, i, object.track);
+      const bool moves = velocity && velocity->speed_mps() > options.moving_mps;
+      if (velocity) ++(moves ? history.moving : history.standing);
       const Track* track = track_of(object, tracks, history.last_id, options);
       if (track == nullptr) {
         history.was_missed = history.last_id.has_value();
@@ -81,12 +126,20 @@ TrackMeasures measure_tracks(std::span<const TrackedTruth> frames, const TrackMa
       ++m.found;
       if (history.last_id && track->id != *history.last_id) ++m.identity_switches;
       if (history.was_missed) ++m.fragments;
-      history = {track->id, false};
-      const auto velocity = true_velocity(frames, i, object.track);
-      if (!velocity || track->age_s < options.settled_s) continue;
+      history.last_id = track->id;
+      history.was_missed = false;
+      if (!history.report_s) history.report_s = time_s;
+      const bool is_settled = track->age_s >= options.settled_s;
+      if (const auto place = seen_place(object); place && is_settled)
+        m.position_nees.push_back(normalised(*track, 0, track->state.x_m - place->x_m, track->state.y_m - place->y_m));
+      if (!velocity) continue;
       const double error =
           std::hypot(track->velocity.vx_mps - velocity->vx_mps, track->velocity.vy_mps - velocity->vy_mps);
-      if (velocity->speed_mps() > options.moving_mps) {
+      if (moves && !history.velocity_s && error <= options.right_mps) history.velocity_s = time_s;
+      if (!is_settled) continue;
+      m.velocity_nees.push_back(
+          normalised(*track, 2, track->state.vx_mps - velocity->vx_mps, track->state.vy_mps - velocity->vy_mps));
+      if (moves) {
         m.moving_errors_mps.push_back(error);
       } else {
         m.standing_errors_mps.push_back(error);
@@ -102,6 +155,7 @@ TrackMeasures measure_tracks(std::span<const TrackedTruth> frames, const TrackMa
       m.unlabelled_moving += reported_speed(track) > options.moving_mps;
     }
   }
+  add_first_times(histories, m);
   return m;
 }
 
