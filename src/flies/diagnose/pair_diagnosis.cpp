@@ -106,6 +106,11 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
   return run;
 }
 
+bool can_be_made_up_for(const RowError& rows) {
+  constexpr double kColumns_px = 600.0;
+  return rows.largest_px() <= kRowErrorOfARig_px * std::max(1.0, 2.0 * rows.middle_u_px / kColumns_px);
+}
+
 std::vector<std::string> complaints(const PairDiagnosis& d) {
   std::vector<std::string> found;
   if (d.textured_share < kNothingTextured) {
