@@ -2,7 +2,8 @@
 //
 //   01_detect LEFT RIGHT CALIB      e.g. left.png right.png calib.yaml
 //
-// 02_stages.cpp takes the call apart, 03_own_options.cpp changes its settings, 04_scan.cpp reads the scan.
+// 02_stages.cpp takes the call apart, 03_own_options.cpp changes its settings, 04_scan.cpp reads the scan,
+// 05_engine.cpp serves a living camera.
 #include <cstdio>
 
 #include "flies/core/error.hpp"

@@ -113,10 +113,6 @@ void run_detect(const DetectArguments& arguments) {
   if (!arguments.outputs.csv.empty()) csv.emplace(arguments.outputs.csv, kLines).write(flies::csv_header());
   if (!arguments.outputs.scan.empty()) scan.emplace(arguments.outputs.scan, kLines).write(flies::scan_csv_header());
 
-  auto notes = calibration_notes(calibration, arguments.calib);
-  for (const auto& note : run.notes) notes.push_back(pairs[first].left + ": " + note);
-  say_notes(notes);
-
   // The table goes to the terminal that the bar would be drawn on.
   const DetectOutputs& outputs = arguments.outputs;
   const bool prints = !outputs.any() || outputs.json == "-" || outputs.csv == "-" || outputs.scan == "-";
@@ -142,8 +138,8 @@ void run_detect(const DetectArguments& arguments) {
         flies::check_camera_fits(calibration.camera, images.view().left.width_px, images.view().left.height_px,
                                  left_path);
       }
-      flies::check_true_pair(images.view(), calibration.camera, left_path, right_path);
       run.correct(images);
+      flies::check_true_pair(images.view(), calibration.camera, left_path, right_path);
       detection = detector.process(images.view());
       record.obstacles = detection->obstacles;
       record.pedestrians = detection->pedestrians;
@@ -168,6 +164,9 @@ void run_detect(const DetectArguments& arguments) {
   if (json) json->commit();
   if (csv) csv->commit();
   if (scan) scan->commit();
+  auto notes = calibration_notes(calibration, arguments.calib);
+  for (const auto& note : run.notes) notes.push_back(pairs[first].left + ": " + note);
+  say_notes(notes);
   if (!faults.empty())
     throw flies::InputError(arguments.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),
                             "could not be used, the others were; the first: " + faults.front());

@@ -104,7 +104,8 @@ flies::Method yardstick(const std::string& name, const flies::DetectorOptions& o
   flies::DetectorOptions of_preset = flies::preset_options(static_cast<flies::Preset>(preset - kPresets.begin()));
   of_preset.seed = options.seed;
   of_preset.threads = options.threads;
-  return flies::flies_method(name, of_preset, arguments.seeds, classifier_for(name, arguments.model), is_sequence);
+  return flies::flies_method(name, of_preset, arguments.seeds, classifier_for(name, arguments.model), is_sequence,
+                             measuring_of(arguments));
 }
 
 std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const flies::DetectorOptions& options,
@@ -112,8 +113,8 @@ std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const 
   const auto classifier = classifier_for(arguments.method.preset, arguments.model);
   std::vector<flies::Method> methods;
   if (arguments.detections.empty()) {
-    methods.push_back(
-        flies::flies_method(arguments.method.preset, options, arguments.seeds, classifier, dataset.is_sequence));
+    methods.push_back(flies::flies_method(arguments.method.preset, options, arguments.seeds, classifier,
+                                          dataset.is_sequence, measuring_of(arguments)));
   } else {
     std::vector<std::vector<flies::ReportedFrame>> runs;
     for (const auto& file : arguments.detections)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -147,16 +148,37 @@ Json json_of(const Estimate& estimate) {
   return json;
 }
 
+bool is_told(const flies::MissedInRuns& missed) {
+  return std::any_of(missed.stages.begin(), missed.stages.end(), [](int runs) { return runs > 0; });
+}
+
+Json json_of(const std::array<int, flies::kPersonStageCount>& people) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < people.size(); ++i) json[flies::kPersonStageNames[i]] = people[i];
+  return json;
+}
+
+Json json_of(const flies::PeopleLosses& losses) {
+  Json json = {{"people", json_of(losses.people)},
+               {"boxes_per_pair", rounded(losses.boxes_per_pair)},
+               {"recall", Json::array()}};
+  for (const auto& [boxes, recall] : losses.recall)
+    json["recall"].push_back({{"boxes", boxes ? Json(*boxes) : Json(nullptr)}, {"recall", rounded(recall)}});
+  return json;
+}
+
 Json json_of(const flies::MissedInRuns& missed) {
   const auto& object = missed.object;
-  return {{"name", missed.frame_name},
-          {"class", object.type},
-          {"track", object.track},
-          {"x_m", rounded(object.footprint.x_m)},
-          {"y_m", rounded(object.footprint.y_m)},
-          {"near_range_m", rounded(flies::near_range_m(object.footprint))},
-          {"occlusion", object.occlusion},
-          {"runs", missed.runs}};
+  Json json = {{"name", missed.frame_name},
+               {"class", object.type},
+               {"track", object.track},
+               {"x_m", rounded(object.footprint.x_m)},
+               {"y_m", rounded(object.footprint.y_m)},
+               {"near_range_m", rounded(flies::near_range_m(object.footprint))},
+               {"occlusion", object.occlusion},
+               {"runs", missed.runs}};
+  if (is_told(missed)) json["stages"] = json_of(missed.stages);
+  return json;
 }
 
 /// A cell of the people's part; methods that do not look for them have none.
@@ -225,6 +247,36 @@ std::string missed_line(const flies::MissedInRuns& missed, int runs) {
                      object.footprint.y_m, flies::near_range_m(object.footprint), object.occlusion, missed.runs, runs);
 }
 
+/// "no box 2, first look 1": in how many runs each stage lost the person.
+std::string stages_text(const std::array<int, flies::kPersonStageCount>& people) {
+  std::string text;
+  for (std::size_t i = 0; i < people.size(); ++i) {
+    if (people[i] == 0) continue;
+    std::string name(flies::kPersonStageNames[i]);
+    std::replace(name.begin(), name.end(), '_', ' ');
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, people[i]);
+  }
+  return text;
+}
+
+std::string missed_person_line(const flies::MissedInRuns& missed, int runs) {
+  std::string text = missed_line(missed, runs);
+  if (!is_told(missed)) return text;
+  text.pop_back();
+  return text + fmt::format(": {}\n", stages_text(missed.stages));
+}
+
+/// Where people got lost, and what the proposals are worth.
+std::string losses_lines(const flies::PeopleLosses& losses, const std::string& method) {
+  if (losses.recall.empty()) return "";
+  std::string text =
+      fmt::format("people by the stage that lost them, {}, all runs: {}\n", method, stages_text(losses.people));
+  text += fmt::format("{:.0f} boxes a pair; people with a box of their own among", losses.boxes_per_pair);
+  for (const auto& [boxes, recall] : losses.recall)
+    text += boxes ? fmt::format(" the {} surest {:.3f},", *boxes, recall) : fmt::format(" all {:.3f}\n", recall);
+  return text;
+}
+
 std::string false_alarm_line(const flies::FalseAlarm& alarm) {
   const auto& [name, p] = alarm;
   return fmt::format("  {:<12} probability {:.4f}, x {:6.2f} y {:6.2f} m, box u {:.0f} v {:.0f}, {:.0f} x {:.0f} px\n",
@@ -256,6 +308,7 @@ Json json_of(const flies::PeopleResult& people, const Evaluation& evaluation) {
   for (const auto& [key, estimate] : people.estimates)
     (key.group == Group::all ? json["all"] : json["by_range"][key.part])[key.measure] = json_of(estimate);
   json["operating_point"] = json_of(people.operating_point);
+  json["losses"] = people.losses ? json_of(*people.losses) : Json(nullptr);
   for (const auto* list : {"curve", "missed", "false_alarms"}) json[list] = Json::array();
   for (const auto& point : people.curve) json["curve"].push_back(json_of(point));
   for (const auto& missed : people.missed) json["missed"].push_back(json_of(missed));
@@ -467,7 +520,8 @@ std::string missed_table(const Evaluation& evaluation) {
     }
     if (!method.people) continue;
     text += heading("people missed by", method.name, method.people->missed.empty());
-    for (const auto& missed : method.people->missed) text += missed_line(missed, method.runs);
+    for (const auto& missed : method.people->missed) text += missed_person_line(missed, method.runs);
+    if (method.people->losses) text += losses_lines(*method.people->losses, method.name);
     text += heading(method.runs > 1 ? "false alarms on people, first run of" : "false alarms on people of", method.name,
                     method.people->false_alarms.empty());
     for (const auto& alarm : method.people->false_alarms) text += false_alarm_line(alarm);

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <map>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/io/images.hpp"
-#include "flies/io/pair_check.hpp"
 
 namespace {
 
@@ -15,7 +15,8 @@ constexpr std::size_t kPairs = 5;
 
 bool is_to_be_corrected(const std::optional<flies::RowError>& rows, SelfRectify mode) {
   if (!rows || mode == SelfRectify::off) return false;
-  return mode == SelfRectify::on || rows->largest_px() >= flies::kRowErrorMatters_px;
+  if (mode == SelfRectify::on) return true;
+  return rows->largest_px() >= flies::kRowErrorMatters_px && flies::can_be_made_up_for(*rows);
 }
 
 }  // namespace
@@ -38,7 +39,8 @@ void add_self_rectify_option(CLI::App& command, SelfRectify& mode) {
       ->type_name("MODE");
 }
 
-flies::DiagnosisRecord RunDiagnosis::record() const {
+std::optional<flies::DiagnosisRecord> RunDiagnosis::record() const {
+  if (!is_known) return std::nullopt;
   flies::DiagnosisRecord record;
   record.textured_share = diagnosis.textured_share;
   record.matched_share = diagnosis.matched_share();
@@ -64,13 +66,13 @@ RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::C
       if (calibration.rectifier) images = calibration.rectifier->rectify(images);
       const flies::RectifiedPair view = images.view();
       flies::check_camera_fits(calibration.camera, view.left.width_px, view.left.height_px, left);
-      flies::check_true_pair(view, calibration.camera, left, right);
       sample.push_back(std::move(images));
     } catch (const flies::InputError&) {  // told when its turn comes
     }
   }
   RunDiagnosis run;
   if (sample.empty()) return run;
+  run.is_known = true;
   const auto diagnose_sample = [&] {
     std::vector<flies::PairDiagnosis> each;
     for (const auto& images : sample) each.push_back(flies::diagnose_pair(images.view(), calibration.camera));

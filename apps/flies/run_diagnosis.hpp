@@ -21,6 +21,7 @@ void add_self_rectify_option(CLI::App& command, SelfRectify& mode);
 
 /// What some pairs, spread evenly over a run, say about images and calibration.
 struct RunDiagnosis {
+  bool is_known = false;                      ///< false: no pair could be used
   flies::PairDiagnosis diagnosis;             ///< of the images as they are used: after the correction, if any
   std::optional<flies::RowError> correction;  ///< what every pair's rows are corrected by
   std::vector<std::string> notes;             ///< sentences for the user
@@ -28,7 +29,8 @@ struct RunDiagnosis {
   void correct(flies::GrayPair& pair) const {
     if (correction) flies::correct_rows(*correction, pair);
   }
-  flies::DiagnosisRecord record() const;
+  /// Nothing when no pair could be used.
+  std::optional<flies::DiagnosisRecord> record() const;
 };
 
 /// Diagnoses up to five readable pairs of a run; those that cannot be used are passed over.

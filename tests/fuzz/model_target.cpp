@@ -22,5 +22,12 @@ std::vector<std::string> fuzz_seeds() {
   model.kernel->mean.assign(model.linear.weights.size(), 0.0F);
   model.kernel->support_vectors = {1, model.linear.weights.size(), model.linear.weights};
   model.kernel->coefficients = {1.0F};
-  return {flies::people_model_text(model), "{\"a\":1e999}"};
+  flies::PeopleModel with_convolutions;
+  with_convolutions.name = "tiny";
+  with_convolutions.linear.weights.assign(flies::feature_count(with_convolutions.hog), 0.5F);
+  with_convolutions.linear.reject_below = -1.0;
+  with_convolutions.convolution.emplace();
+  with_convolutions.convolution->layers.push_back({2, {1, 9, std::vector<float>(9, 0.5F)}, {0.0F}, 4.0});
+  with_convolutions.convolution->last.assign(std::size_t{24} * 48, 0.5F);
+  return {flies::people_model_text(model), flies::people_model_text(with_convolutions), "{\"a\":1e999}"};
 }

@@ -216,6 +216,12 @@ double report_threshold(const PeopleClassifier& classifier, const ClassifyOption
   return std::isinf(odds) ? 1.0 : odds / (1.0 + odds);
 }
 
+double first_look_threshold(const PeopleClassifier& classifier, const ClassifyOptions& options) {
+  if (!classifier.looks_twice()) return report_threshold(classifier, options);
+  check_options(options, kOptionsSource);
+  return std::max(classifier.screen_threshold(), options.min_first_probability);
+}
+
 std::vector<std::size_t> suppress_in_metres(std::span<const Roi> rois, std::span<const double> probabilities,
                                             double threshold, const ClassifyOptions& options) {
   assert(rois.size() == probabilities.size());
@@ -236,8 +242,7 @@ ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, cons
   CheckedLooks looks(classifier, left, windows);
   result.screened = screen(looks, rois, classifier.looks_twice(), options);
   const double threshold = report_threshold(classifier, options);
-  const double first_threshold =
-      classifier.looks_twice() ? std::max(classifier.screen_threshold(), options.min_first_probability) : threshold;
+  const double first_threshold = first_look_threshold(classifier, options);
   const auto places = suppress_in_metres(rois, result.screened, first_threshold, options);
   const Verdicts verdicts = classifier.looks_twice()
                                 ? look_again(looks, rois, places, result.screened, first_threshold, options)

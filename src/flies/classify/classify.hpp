@@ -72,6 +72,9 @@ ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, cons
 /// a model.
 double report_threshold(const PeopleClassifier& classifier, const ClassifyOptions& options);
 
+/// The probability that a box exceeds at first look to be looked at again; of a classifier of one stage that above.
+double first_look_threshold(const PeopleClassifier& classifier, const ClassifyOptions& options);
+
 /// One verdict per person: ROI above the threshold compete, the surest first, with those that stand at the same place
 /// on the ground or cover the same part of the image.
 /// @param probabilities one per ROI

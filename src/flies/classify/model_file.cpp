@@ -251,6 +251,28 @@ KernelStage read_kernel(Reader fields) {
   return kernel;
 }
 
+/// Layers are numbered from 1, the first that is not there ends them.
+ConvolutionStage read_convolution(Reader fields) {
+  ConvolutionStage stage;
+  for (std::size_t i = 1; i <= kMaxConvolutionLayers + 1; ++i) {
+    const std::string key = fmt::format("layer_{}", i);
+    if (!fields.has(key.c_str())) break;
+    Reader from = fields.child(key.c_str());
+    ConvolutionLayer& layer = stage.layers.emplace_back();
+    from.read("stride", layer.stride);
+    from.read("weights", layer.weights);
+    from.read("biases", layer.biases);
+    from.read("largest", layer.largest);
+    from.finish();
+  }
+  fields.read("last", stage.last);
+  fields.read("bias", stage.bias);
+  fields.read("linear_weight", stage.linear_weight);
+  fields.read("calibration", stage.calibration);
+  fields.finish();
+  return stage;
+}
+
 PeopleModel read_model(Reader root) {
   PeopleModel model;
   root.read("name", model.name);
@@ -263,10 +285,9 @@ PeopleModel read_model(Reader root) {
   linear.read("weights", model.linear.weights);
   linear.read("bias", model.linear.bias);
   linear.read("calibration", model.linear.calibration);
-  if (root.has("kernel")) {
-    linear.read("reject_below", model.linear.reject_below);
-    model.kernel = read_kernel(root.child("kernel"));
-  }
+  if (root.has("kernel")) model.kernel = read_kernel(root.child("kernel"));
+  if (root.has("convolution")) model.convolution = read_convolution(root.child("convolution"));
+  if (has_second_stage(model)) linear.read("reject_below", model.linear.reject_below);
   linear.finish();
   root.finish();
   return model;
@@ -335,7 +356,7 @@ std::string people_model_text(const PeopleModel& model) {
   Json linear = {{"weights", json_of(model.linear.weights)},
                  {"bias", model.linear.bias},
                  {"calibration", json_of(model.linear.calibration)}};
-  if (model.kernel) linear["reject_below"] = model.linear.reject_below;
+  if (has_second_stage(model)) linear["reject_below"] = model.linear.reject_below;
   Json json = {{"format", kFormat}, {"version", kVersion},          {"name", model.name}, {"about", about},
                {"hog", hog},        {"threshold", model.threshold}, {"linear", linear}};
   if (const auto& kernel = model.kernel) {
@@ -347,6 +368,21 @@ std::string people_model_text(const PeopleModel& model) {
     object["bias"] = kernel->bias;
     object["calibration"] = json_of(kernel->calibration);
     json["kernel"] = std::move(object);
+  }
+  if (const auto& stage = model.convolution) {
+    Json object = Json::object();
+    for (std::size_t i = 0; i < stage->layers.size(); ++i) {
+      const ConvolutionLayer& layer = stage->layers[i];
+      object[fmt::format("layer_{}", i + 1)] = {{"stride", layer.stride},
+                                                {"weights", json_of(layer.weights)},
+                                                {"biases", json_of(layer.biases)},
+                                                {"largest", layer.largest}};
+    }
+    object["last"] = json_of(stage->last);
+    object["bias"] = stage->bias;
+    object["linear_weight"] = stage->linear_weight;
+    object["calibration"] = json_of(stage->calibration);
+    json["convolution"] = std::move(object);
   }
   constexpr int kIndent = 1;
   std::string text = json.dump(kIndent);

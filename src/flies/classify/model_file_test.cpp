@@ -43,6 +43,23 @@ PeopleModel tiny_model() {
   return model;
 }
 
+/// Two layers for the windows that convolutions see.
+PeopleModel convolution_model() {
+  PeopleModel model;
+  model.name = "convolutions";
+  model.linear.weights.assign(feature_count(model.hog), 0.25F);
+  model.linear.reject_below = -2.0;
+  ConvolutionStage stage;
+  stage.layers.push_back({2, {2, 9, std::vector<float>(18, 0.5F)}, {0.1F, -0.2F}, 3.5});
+  stage.layers.push_back({1, {1, 18, std::vector<float>(18, -0.125F)}, {0.75F}, 7.0});
+  stage.last.assign(std::size_t{24} * 48, 0.0625F);
+  stage.bias = -0.3;
+  stage.linear_weight = 0.4;
+  stage.calibration = {1.25, -0.5};
+  model.convolution = std::move(stage);
+  return model;
+}
+
 void expect_equal(const Matrix& a, const Matrix& b) {
   EXPECT_EQ(a.rows, b.rows);
   EXPECT_EQ(a.columns, b.columns);
@@ -72,6 +89,57 @@ void expect_equal(const PeopleModel& a, const PeopleModel& b) {
   EXPECT_EQ(a.kernel->gamma, b.kernel->gamma);
   EXPECT_EQ(a.kernel->bias, b.kernel->bias);
   expect_equal(a.kernel->calibration, b.kernel->calibration);
+}
+
+TEST(ModelFile, KeepsConvolutions) {
+  const PeopleModel written = convolution_model();
+  const PeopleModel read = parse_people_model(people_model_text(written), "model.json");
+  ASSERT_TRUE(read.convolution.has_value());
+  const ConvolutionStage &a = *written.convolution, &b = *read.convolution;
+  EXPECT_EQ(read.linear.reject_below, written.linear.reject_below);
+  ASSERT_EQ(b.layers.size(), a.layers.size());
+  for (std::size_t i = 0; i < a.layers.size(); ++i) {
+    EXPECT_EQ(b.layers[i].stride, a.layers[i].stride);
+    expect_equal(b.layers[i].weights, a.layers[i].weights);
+    EXPECT_EQ(b.layers[i].biases, a.layers[i].biases);
+    EXPECT_EQ(b.layers[i].largest, a.layers[i].largest);
+  }
+  EXPECT_EQ(b.last, a.last);
+  EXPECT_EQ(b.bias, a.bias);
+  EXPECT_EQ(b.linear_weight, a.linear_weight);
+  expect_equal(b.calibration, a.calibration);
+}
+
+TEST(ModelFile, RefusesConvolutionsThatDoNotFitByName) {
+  const auto error_with = [](const auto& change) {
+    PeopleModel model = convolution_model();
+    change(model);
+    try {
+      check_people_model(model, "model.json");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(error_with([](PeopleModel&) {}), "");
+  EXPECT_THAT(error_with([](PeopleModel& m) { m.convolution->layers.clear(); }), HasSubstr("convolution.layers"));
+  EXPECT_THAT(error_with([](PeopleModel& m) { m.convolution->layers[1].stride = 3; }),
+              HasSubstr("convolution.layer_2.stride"));
+  EXPECT_THAT(error_with([](PeopleModel& m) {
+                m.convolution->layers[1].weights = {1, 9, std::vector<float>(9)};
+              }),
+              HasSubstr("convolution.layer_2.weights"));
+  EXPECT_THAT(error_with([](PeopleModel& m) { m.convolution->layers[0].biases.pop_back(); }),
+              HasSubstr("convolution.layer_1.biases"));
+  EXPECT_THAT(error_with([](PeopleModel& m) { m.convolution->layers[0].largest = 0.0; }),
+              HasSubstr("convolution.layer_1.largest"));
+  EXPECT_THAT(error_with([](PeopleModel& m) { m.convolution->last.pop_back(); }), HasSubstr("convolution.last"));
+  EXPECT_THAT(error_with([](PeopleModel& m) {
+                m.hog.window_width_px = 64;
+                m.hog.window_height_px = 128;
+                m.linear.weights.assign(feature_count(m.hog), 0.25F);
+              }),
+              HasSubstr("hog"));
 }
 
 std::string error_of(const std::string& text) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "flies/classify/convolution.hpp"
 #include "flies/classify/kernel_machine.hpp"
 #include "flies/classify/svm_scores.hpp"
 #include "flies/classify/window_sets.hpp"
@@ -40,12 +41,18 @@ class SeparateLooks final : public PeopleLooks {
   std::span<const ImageBox> windows_;
 };
 
+/// The second stage of a model, ready to run; neither where it has none.
+struct SecondStage {
+  std::optional<KernelMachine> kernel;
+  std::optional<ConvolutionMachine> convolution;
+};
+
 /// Keeps the blocks of all sets of windows that it has looked at: some 100 kB for an obstacle.
 class HogLooks final : public PeopleLooks {
  public:
-  HogLooks(const PeopleModel& model, const std::optional<KernelMachine>& kernel, const GrayView& image,
+  HogLooks(const PeopleModel& model, const SecondStage& second, const GrayView& image,
            std::span<const ImageBox> windows)
-      : model_(model), kernel_(kernel), image_(image), windows_(windows), seen_(windows.size()) {}
+      : model_(model), second_(second), image_(image), windows_(windows), seen_(windows.size()) {}
 
   std::vector<double> screen(std::span<const std::size_t> some) override {
     look(some);
@@ -62,13 +69,10 @@ class HogLooks final : public PeopleLooks {
     for (std::size_t k = 0; k < some.size(); ++k) {
       const Seen& seen = seen_[some[k]];
       probabilities.push_back(seen.is_anything ? person_probability(model_, seen.linear, 0.0) : 0.0);
-      if (kernel_ && seen.is_anything && seen.linear >= model_.linear.reject_below) asked.push_back(k);
+      if (has_second_stage(model_) && seen.is_anything && seen.linear >= model_.linear.reject_below) asked.push_back(k);
     }
     if (asked.empty()) return probabilities;
-    const std::size_t length = feature_count(model_.hog);
-    std::vector<float> features(asked.size() * length);
-    for (std::size_t a = 0; a < asked.size(); ++a) seen_[some[asked[a]]].features.copy_to(features.data() + a * length);
-    const auto scores = kernel_->scores(features);
+    const auto scores = second_scores(some, asked);
     for (std::size_t a = 0; a < asked.size(); ++a)
       probabilities[asked[a]] = person_probability(model_, seen_[some[asked[a]]].linear, scores[a]);
     return probabilities;
@@ -80,6 +84,19 @@ class HogLooks final : public PeopleLooks {
     double linear = 0.0;
     FeaturePieces features;
   };
+
+  /// @param asked places in `some`
+  std::vector<double> second_scores(std::span<const std::size_t> some, std::span<const std::size_t> asked) const {
+    if (second_.convolution) {
+      std::vector<ImageBox> windows;
+      for (const std::size_t k : asked) windows.push_back(windows_[some[k]]);
+      return second_.convolution->scores(image_, windows);
+    }
+    const std::size_t length = feature_count(model_.hog);
+    std::vector<float> features(asked.size() * length);
+    for (std::size_t a = 0; a < asked.size(); ++a) seen_[some[asked[a]]].features.copy_to(features.data() + a * length);
+    return second_.kernel->scores(features);
+  }
 
   /// The first stage, where it has not looked yet.
   void look(std::span<const std::size_t> some) {
@@ -102,7 +119,7 @@ class HogLooks final : public PeopleLooks {
   }
 
   const PeopleModel& model_;
-  const std::optional<KernelMachine>& kernel_;
+  const SecondStage& second_;
   GrayView image_;
   std::span<const ImageBox> windows_;
   std::vector<Seen> seen_;
@@ -113,7 +130,8 @@ class HogClassifier final : public PeopleClassifier {
  public:
   explicit HogClassifier(PeopleModel model) : model_(std::move(model)) {
     check_people_model(model_, model_.name.empty() ? "people model" : model_.name);
-    if (model_.kernel) kernel_.emplace(*model_.kernel);
+    if (model_.kernel) second_.kernel.emplace(*model_.kernel);
+    if (model_.convolution) second_.convolution.emplace(*model_.convolution);
   }
 
   const std::string& name() const override { return model_.name; }
@@ -129,14 +147,14 @@ class HogClassifier final : public PeopleClassifier {
                     [](PeopleLooks& looks, std::span<const std::size_t> all) { return looks.screen(all); });
   }
 
-  bool looks_twice() const override { return model_.kernel.has_value(); }
+  bool looks_twice() const override { return has_second_stage(model_); }
 
   double screen_threshold() const override {
-    return model_.kernel ? probability(model_.linear.calibration, model_.linear.reject_below) : threshold();
+    return has_second_stage(model_) ? probability(model_.linear.calibration, model_.linear.reject_below) : threshold();
   }
 
   std::unique_ptr<PeopleLooks> look_at(const GrayView& image, std::span<const ImageBox> windows) const override {
-    return std::make_unique<HogLooks>(model_, kernel_, image, windows);
+    return std::make_unique<HogLooks>(model_, second_, image, windows);
   }
 
  private:
@@ -149,7 +167,7 @@ class HogClassifier final : public PeopleClassifier {
       const auto part = windows.subspan(first, std::min(kWindowsAtOnce, windows.size() - first));
       std::vector<std::size_t> all(part.size());
       std::iota(all.begin(), all.end(), std::size_t{0});
-      HogLooks looks(model_, kernel_, image, part);
+      HogLooks looks(model_, second_, image, part);
       const auto of_part = ask(looks, all);
       probabilities.insert(probabilities.end(), of_part.begin(), of_part.end());
     }
@@ -157,7 +175,7 @@ class HogClassifier final : public PeopleClassifier {
   }
 
   PeopleModel model_;
-  std::optional<KernelMachine> kernel_;
+  SecondStage second_;
 };
 
 }  // namespace

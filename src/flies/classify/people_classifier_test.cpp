@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "flies/classify/convolution.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/random.hpp"
 
@@ -55,6 +57,28 @@ std::vector<double> linear_scores(const cv::Mat& image, std::span<const ImageBox
 
 const std::vector<ImageBox> kBoxes{window(0, 0, 48, 96), window(100, 50, 48, 96), window(40, 100, 48, 96),
                                    window(60, 10, 60, 120), window(90, 30, 70, 140)};
+
+TEST(HogClassifier, AsksConvolutionsAboutWhatTheLinearMachineLetsThrough) {
+  const cv::Mat image = noise_image(200, 240);
+  auto scores = linear_scores(image, kBoxes);
+  PeopleModel model = opencv_48x96();
+  std::vector<double> sorted = scores;
+  std::sort(sorted.begin(), sorted.end());
+  model.linear.reject_below = 0.5 * (sorted[1] + sorted[2]);
+  ConvolutionStage stage;
+  stage.layers.push_back({2, {1, 9, {1, 0, -1, 2, 0, -2, 1, 0, -1}}, {0.0F}, 20.0});
+  stage.last.assign(std::size_t{24} * 48, 0.001F);
+  stage.bias = -2.0;
+  stage.linear_weight = 0.3;
+  model.convolution = stage;
+  const auto probabilities = hog_classifier(model)->classify(view_of(image), kBoxes);
+  constexpr double kRounding = 1e-3;  // whole numbers of 16 bits
+  for (std::size_t i = 0; i < kBoxes.size(); ++i) {
+    const double score = convolution_score(stage, convolution_input(view_of(image), kBoxes[i]));
+    EXPECT_NEAR(probabilities[i], person_probability(model, scores[i], score), kRounding) << i;
+    EXPECT_EQ(probabilities[i] >= kRejectedProbability, scores[i] >= model.linear.reject_below) << i;
+  }
+}
 
 TEST(HogClassifier, IsEmptyWithoutWindows) {
   const cv::Mat image = noise_image(64, 64);

@@ -61,6 +61,38 @@ void check_kernel(const KernelStage& kernel, std::size_t features, const Checker
   check.calibration("kernel.calibration", kernel.calibration);
 }
 
+void check_convolution(const ConvolutionStage& stage, const HogGeometry& hog, const Checker& check) {
+  constexpr std::size_t kTaps = 9, kMaxChannels = 1024;
+  if (hog.window_width_px != kConvolutionWidth_px || hog.window_height_px != kConvolutionHeight_px)
+    check.fail("hog",
+               fmt::format("found windows of {} x {} px, expected {} x {} before convolutions", hog.window_width_px,
+                           hog.window_height_px, kConvolutionWidth_px, kConvolutionHeight_px));
+  if (stage.layers.empty() || stage.layers.size() > kMaxConvolutionLayers)
+    check.fail("convolution.layers",
+               fmt::format("found {}, expected 1 to {}", stage.layers.size(), kMaxConvolutionLayers));
+  std::size_t channels = 1;
+  int width = kConvolutionWidth_px, height = kConvolutionHeight_px;
+  for (std::size_t i = 0; i < stage.layers.size(); ++i) {
+    const ConvolutionLayer& layer = stage.layers[i];
+    const std::string field = fmt::format("convolution.layer_{}", i + 1);
+    if (layer.stride != 1 && layer.stride != 2)
+      check.fail(field + ".stride", fmt::format("found {}, expected 1 or 2", layer.stride));
+    if (layer.weights.rows == 0 || layer.weights.rows > kMaxChannels)
+      check.fail(field + ".weights", fmt::format("found {} rows, expected 1 to {}", layer.weights.rows, kMaxChannels));
+    check.matrix(field + ".weights", layer.weights, channels * kTaps);
+    check.numbers(field + ".biases", layer.biases, layer.weights.rows);
+    check.positive(field + ".largest", layer.largest);
+    channels = layer.weights.rows;
+    width = (width + layer.stride - 1) / layer.stride;
+    height = (height + layer.stride - 1) / layer.stride;
+  }
+  check.numbers("convolution.last", stage.last,
+                static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels);
+  check.finite("convolution.bias", stage.bias);
+  check.finite("convolution.linear_weight", stage.linear_weight);
+  check.calibration("convolution.calibration", stage.calibration);
+}
+
 }  // namespace
 
 void check_people_model(const PeopleModel& model, const std::string& source) {
@@ -70,10 +102,11 @@ void check_people_model(const PeopleModel& model, const std::string& source) {
   check.numbers("linear.weights", model.linear.weights, features);
   check.finite("linear.bias", model.linear.bias);
   check.calibration("linear.calibration", model.linear.calibration);
-  if (model.kernel) {
-    check.finite("linear.reject_below", model.linear.reject_below);
-    check_kernel(*model.kernel, features, check);
-  }
+  if (has_second_stage(model)) check.finite("linear.reject_below", model.linear.reject_below);
+  if (model.kernel) check_kernel(*model.kernel, features, check);
+  if (model.kernel && model.convolution)
+    check.fail("convolution", "found beside a kernel machine, expected one of them");
+  if (model.convolution) check_convolution(*model.convolution, model.hog, check);
   if (!(model.threshold >= 0.0 && model.threshold <= 1.0))
     check.fail("threshold", fmt::format("found {}, expected 0 to 1", model.threshold));
 }
@@ -82,12 +115,15 @@ double probability(const ScoreCalibration& calibration, double score) {
   return 1.0 / (1.0 + std::exp(-(calibration.slope * score + calibration.offset)));
 }
 
-double person_probability(const PeopleModel& model, double linear, double kernel) {
+double person_probability(const PeopleModel& model, double linear, double second) {
   const double first = probability(model.linear.calibration, linear);
-  if (!model.kernel) return first;
+  if (!has_second_stage(model)) return first;
   if (linear < model.linear.reject_below)
     return kRejectedProbability * first / probability(model.linear.calibration, model.linear.reject_below);
-  return kRejectedProbability + (1.0 - kRejectedProbability) * probability(model.kernel->calibration, kernel);
+  const double last =
+      model.kernel ? probability(model.kernel->calibration, second)
+                   : probability(model.convolution->calibration, second + model.convolution->linear_weight * linear);
+  return kRejectedProbability + (1.0 - kRejectedProbability) * last;
 }
 
 double person_probability(const PeopleModel& model, std::span<const float> features) {

@@ -50,14 +50,40 @@ struct KernelStage {
   ScoreCalibration calibration;
 };
 
+/// What a network of convolutions sees of every window.
+inline constexpr int kConvolutionWidth_px = 48, kConvolutionHeight_px = 96;
+
+/// A 3 x 3 convolution about every pixel, or every second one both ways, with zeros around the picture:
+/// output = min(max(bias + sum of weights . inputs, 0), largest).
+struct ConvolutionLayer {
+  int stride = 1;             ///< 1 or 2
+  Matrix weights;             ///< a row an output channel: for every input channel nine, row by row
+  std::vector<float> biases;  ///< one an output channel
+  double largest = 1.0;       ///< output, > 0
+};
+
+/// A network of convolutions on the window's grey levels (`convolution_input`):
+/// score = bias + last . outputs of the last layer. The two stages err on different windows, so the linear machine has
+/// a say in the end, too: what is calibrated is score + linear_weight * its score.
+struct ConvolutionStage {
+  std::vector<ConvolutionLayer> layers;  ///< 1 to `kMaxConvolutionLayers`; the first has one input channel
+  std::vector<float> last;               ///< channels of one pixel after the other, row by row
+  double bias = 0.0;
+  double linear_weight = 0.0;
+  ScoreCalibration calibration;
+};
+inline constexpr std::size_t kMaxConvolutionLayers = 16;
+
 /// A people classifier on histograms of oriented gradients: plain values. A linear machine, and behind it, where there
-/// is one, a kernel machine for the windows that the linear one does not reject.
+/// is one, a second stage for the windows that the linear one does not reject: a kernel machine on the same features or
+/// a network of convolutions on the window's grey levels.
 struct PeopleModel {
   std::string name;  ///< names the model in errors
   HogGeometry hog;
   LinearStage linear;
   std::optional<KernelStage> kernel;
-  double threshold = 0.5;  ///< a window is a person when its probability exceeds this; 0 to 1
+  std::optional<ConvolutionStage> convolution;  ///< only where there is no kernel machine
+  double threshold = 0.5;                       ///< a window is a person when its probability exceeds this; 0 to 1
   /// Training data, metrics, licence, in words: pairs of a key and a text, in the order they are shown.
   std::vector<std::pair<std::string, std::string>> about;
 };
@@ -76,13 +102,17 @@ double probability(const ScoreCalibration& calibration, double score);
 /// is well defined: whatever was rejected comes after whatever was not.
 inline constexpr double kRejectedProbability = 1e-3;
 
+/// Whether there is a second stage.
+inline bool has_second_stage(const PeopleModel& model) { return model.kernel || model.convolution; }
+
 /// The verdict on one window, 0 to 1, by both stages.
+/// @param model    without convolutions, which see more than features
 /// @param features `feature_count(model.hog)` of them
 double person_probability(const PeopleModel& model, std::span<const float> features);
 
 /// The same from scores.
-/// @param kernel of the second stage; has no effect where there is none, or where the first one rejects
-double person_probability(const PeopleModel& model, double linear, double kernel);
+/// @param second of the second stage; has no effect where there is none, or where the first one rejects
+double person_probability(const PeopleModel& model, double linear, double second);
 
 /// The people detector of 48 x 96 px that comes with OpenCV, trained on the Daimler data.
 PeopleModel opencv_48x96();
@@ -92,8 +122,9 @@ PeopleModel opencv_64x128();
 /// The model that comes with the library: models/people_48x96.json.
 PeopleModel shipped_people_model();
 
-/// Names of the models that need no file, the default first: `flies-48x96` (the shipped one), `flies-48x96-linear` (a
-/// linear machine alone, as the paper has it), `opencv-48x96`, `opencv-64x128`.
+/// Names of the models that need no file, the default first: `flies-48x96` (the shipped one), `flies-48x96-network`
+/// (with a network of convolutions as its second stage), `flies-48x96-linear` (a linear machine alone, as the paper has
+/// it), `opencv-48x96`, `opencv-64x128`.
 std::span<const std::string_view> people_model_names();
 
 /// Finds a model by its name, or reads the file at this path.

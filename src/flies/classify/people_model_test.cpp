@@ -91,5 +91,23 @@ TEST(PersonProbability, RisesWithTheLinearScoreOnBothSidesOfTheStep) {
   }
 }
 
+TEST(PersonProbability, LetsTheLinearMachineHaveItsSayBesideConvolutions) {
+  PeopleModel model;
+  model.linear.reject_below = -1.0;
+  model.convolution.emplace();
+  model.convolution->linear_weight = 0.5;
+  model.convolution->calibration = {2.0, 0.25};
+  const double last = 1.0 / (1.0 + std::exp(-(2.0 * (1.5 + 0.5 * 0.75) + 0.25)));
+  EXPECT_NEAR(person_probability(model, 0.75, 1.5), kRejectedProbability + (1.0 - kRejectedProbability) * last, 1e-12);
+  EXPECT_LT(person_probability(model, -1.1, 100.0), kRejectedProbability);
+}
+
+TEST(PeopleModel, HasANetworkThatComesWithTheLibrary) {
+  const PeopleModel model = people_model("flies-48x96-network");
+  ASSERT_TRUE(model.convolution.has_value());
+  EXPECT_FALSE(model.kernel.has_value());
+  EXPECT_GT(model.convolution->layers.size(), 1U);
+}
+
 }  // namespace
 }  // namespace flies

@@ -120,9 +120,13 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
     found.push_back(fmt::format(
         "rows of the right image lie {:+.1f} px lower than those of the left one in the middle, {:+.1f} and {:+.1f} px "
         "at "
-        "the sides: the pair is not quite rectified (the rig was bent or the calibration is another's); --self-rectify "
-        "on makes up for it",
-        d.rows->offset_px, d.rows->at(0.0), d.rows->at(2.0 * d.rows->middle_u_px)));
+        "the sides: {}",
+        d.rows->offset_px, d.rows->at(0.0), d.rows->at(2.0 * d.rows->middle_u_px),
+        can_be_made_up_for(*d.rows)
+            ? "the pair is not quite rectified (the rig was bent or the calibration is another's); --self-rectify on "
+              "makes up for it"
+            : "the pair is not rectified; check that the calibration is of these cameras and says whether these images "
+              "are raw or rectified"));
   if (d.evidence.patches >= kMinPatches && d.matched_share() < kFewMatched)
     found.push_back(fmt::format(
         "only {:.0f} % of the places of the left image are found on their row of the right one (32 % and more in good "

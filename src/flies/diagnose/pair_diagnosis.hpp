@@ -39,4 +39,10 @@ std::vector<std::string> complaints(const PairDiagnosis& diagnosis);
 /// Row errors of this size cost obstacles; smaller ones do no harm. Pixels, at the side of the image.
 inline constexpr double kRowErrorMatters_px = 0.5;
 
+/// Larger ones, for an image of 600 columns, are no bent rig: these are other images than the calibration is for.
+inline constexpr double kRowErrorOfARig_px = 4.0;
+
+/// Whether a row error is such that moving the right image makes up for it.
+bool can_be_made_up_for(const RowError& rows);
+
 }  // namespace flies

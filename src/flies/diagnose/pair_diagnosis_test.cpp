@@ -46,6 +46,18 @@ TEST(DiagnosePair, ToldIsARowErrorWithItsSize) {
   EXPECT_THAT(complaints_of(textured_pair(8.0, 0.0, 0.0), camera()), Not(Contains(HasSubstr("lower"))));
 }
 
+TEST(Complaints, RowsFarApartAreNoBentRig) {
+  PairDiagnosis diagnosis;
+  diagnosis.textured_share = 0.8;
+  diagnosis.road_found = true;
+  diagnosis.rows = RowError{3.0, 0.0, 0.1, 100, 300.0};
+  EXPECT_TRUE(can_be_made_up_for(*diagnosis.rows));
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("--self-rectify")));
+  diagnosis.rows->offset_px = 12.0;
+  EXPECT_FALSE(can_be_made_up_for(*diagnosis.rows));
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("raw or rectified")));
+}
+
 TEST(DiagnosePair, ToldIsACameraThatSeesPlacesBeyondInfinity) {
   // Infinity is at 20 px by this calibration, what is seen lies at 8.
   EXPECT_THAT(complaints_of(textured_pair(8.0, 0.0, 0.0), camera(300)), Contains(HasSubstr("beyond infinity")));

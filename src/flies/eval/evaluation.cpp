@@ -18,6 +18,7 @@ struct RunRecord {
   std::vector<double> times_ms, evaluations;
   PeopleRun people;  ///< empty when it does not look for them
   std::vector<double> people_times_ms;
+  std::vector<PeopleTrail> trails;         ///< a pair each; fewer when it does not tell
   std::vector<ScanScore> scans;            ///< a pair each; fewer when some pairs have no scan
   std::map<double, ScanScore> by_setting;  ///< all pairs
 };
@@ -41,7 +42,7 @@ std::vector<MissedInRuns> missed_objects(const std::vector<FrameTruth>& truths, 
       const auto count = std::count_if(runs.begin(), runs.end(), [&](const RunRecord& run) {
         return run.scores[f].objects[i].counted && !run.scores[f].objects[i].found;
       });
-      if (count > 0) missed.push_back({truths[f].name, truths[f].objects[i], static_cast<int>(count)});
+      if (count > 0) missed.push_back({truths[f].name, i, truths[f].objects[i], static_cast<int>(count)});
     }
   }
   return missed;
@@ -60,10 +61,23 @@ std::vector<MissedInRuns> missed_people(const std::vector<FrameTruth>& truths, c
       const auto count = std::count_if(runs.begin(), runs.end(), [&](const PeopleRun& run) {
         return run[f].roles[i] == PersonRole::counted && !is_found(run[f], i);
       });
-      if (count > 0) missed.push_back({truths[f].name, truths[f].objects[i], static_cast<int>(count)});
+      if (count > 0) missed.push_back({truths[f].name, i, truths[f].objects[i], static_cast<int>(count)});
     }
   }
   return missed;
+}
+
+/// Adds where each was lost.
+void add_stages(const std::vector<FrameTruth>& truths, const std::vector<RunRecord>& records,
+                std::vector<MissedInRuns>& missed) {
+  for (auto& person : missed)
+    for (std::size_t f = 0; f < truths.size(); ++f) {
+      if (truths[f].name != person.frame_name) continue;
+      for (const auto& record : records)
+        for (const auto& path : record.trails[f].paths)
+          person.stages[static_cast<std::size_t>(path.stage)] +=
+              path.stage != PersonStage::found && path.object == person.index;
+    }
 }
 
 std::vector<FalseAlarm> false_alarms(const std::vector<FrameTruth>& truths, const PeopleRun& run, double threshold) {
@@ -97,6 +111,12 @@ std::optional<PeopleResult> judge_people(double threshold, const std::vector<Fra
   result.time_ms = median(std::move(times_ms));
   result.missed = missed_people(truths, runs, threshold);
   result.false_alarms = false_alarms(truths, runs.front(), threshold);
+  std::vector<PeopleTrail> trails;
+  for (const auto& record : records) std::ranges::copy(record.trails, std::back_inserter(trails));
+  if (trails.size() == truths.size() * records.size()) {
+    add_stages(truths, records, result.missed);
+    result.losses = sum_up(trails);
+  }
   return result;
 }
 
@@ -183,7 +203,8 @@ std::optional<ScanFindings> scan_findings(const Scan& scan) {
 }  // namespace
 
 Method flies_method(const std::string& name, const DetectorOptions& options, int seeds,
-                    std::shared_ptr<const PeopleClassifier> classifier, bool is_sequence) {
+                    std::shared_ptr<const PeopleClassifier> classifier, bool is_sequence,
+                    const EvaluationOptions& measuring) {
   Method method{name, {}};
   method.scan_setting = "min_confidence";
   method.people_threshold = report_threshold(*classifier, options.classify);
@@ -200,6 +221,9 @@ Method flies_method(const std::string& name, const DetectorOptions& options, int
       // The surest verdict is kept first, so that more of them below the threshold change none above it.
       PeopleFindings people{find_people(frame.images.left.view(), d.rois, *classifier, for_curve).pedestrians,
                             std::accumulate(d.stage_ms.begin(), d.stage_ms.end(), 0.0)};
+      people.trail = follow_people(frame.truth, frame.camera, d, people.people,
+                                   first_look_threshold(*classifier, options.classify),
+                                   report_threshold(*classifier, options.classify), measuring.people, measuring.match);
       return Findings{d.obstacles,
                       stage_ms(d, Stage::road) + stage_ms(d, Stage::evolve) + stage_ms(d, Stage::scan) +
                           stage_ms(d, Stage::concentrate),
@@ -272,6 +296,7 @@ Evaluation evaluate(const Dataset& dataset, std::span<const std::size_t> frames,
         if (findings.scan) record_scan(*findings.scan, sectors, options, record);
         if (!findings.people) continue;
         record.people.push_back(score_people(frame.truth, findings.people->people, options.people));
+        if (findings.people->trail) record.trails.push_back(*findings.people->trail);
         if (findings.people->time_ms) record.people_times_ms.push_back(*findings.people->time_ms);
       }
     }

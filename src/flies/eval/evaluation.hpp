@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -19,6 +20,7 @@
 #include "flies/eval/estimate.hpp"
 #include "flies/eval/hog_yardstick.hpp"
 #include "flies/eval/people.hpp"
+#include "flies/eval/person_paths.hpp"
 #include "flies/eval/scan_score.hpp"
 #include "flies/eval/scan_truth.hpp"
 #include "flies/eval/score.hpp"
@@ -37,8 +39,9 @@ struct EvaluationOptions {
 
 /// The people that a method reports for one pair.
 struct PeopleFindings {
-  std::vector<Pedestrian> people;  ///< also those below the threshold, for the curve; all when that is not known
-  std::optional<double> time_ms;   ///< from the pair to these verdicts
+  std::vector<Pedestrian> people;         ///< also those below the threshold, for the curve; all when that is not known
+  std::optional<double> time_ms;          ///< from the pair to these verdicts
+  std::optional<PeopleTrail> trail = {};  ///< where people were lost; nothing from a method that does not tell
 };
 
 /// The scan that a method reports for one pair.
@@ -68,8 +71,10 @@ struct Method {
 };
 
 /// The detector with seeds `options.seed`, `options.seed` + 1, ... On a sequence, each pair steers the next one.
+/// @param measuring says who is to be found, and when a box is his
 Method flies_method(const std::string& name, const DetectorOptions& options, int seeds,
-                    std::shared_ptr<const PeopleClassifier> classifier, bool is_sequence);
+                    std::shared_ptr<const PeopleClassifier> classifier, bool is_sequence,
+                    const EvaluationOptions& measuring = {});
 
 /// OpenCV's search of the whole left image for people as a yardstick; without random numbers, so one run.
 Method hog_method(HogDetector detector, const HogOptions& hog = {});
@@ -85,8 +90,10 @@ Method reported_method(const std::string& name, std::vector<std::vector<Reported
 /// A counted object that some runs missed.
 struct MissedInRuns {
   std::string frame_name;
+  std::size_t index = 0;  ///< into the objects of that frame's truth
   LabelledObject object;
-  int runs = 0;  ///< that missed it
+  int runs = 0;                                 ///< that missed it
+  std::array<int, kPersonStageCount> stages{};  ///< of a person: how many runs lost him at each; none where untold
 };
 
 /// A report that no person stands behind.
@@ -103,6 +110,7 @@ struct PeopleResult {
   std::optional<double> time_ms;         ///< median over pairs and runs, from the pair to its verdicts
   std::vector<MissedInRuns> missed;      ///< at the threshold, in order of frames
   std::vector<FalseAlarm> false_alarms;  ///< of the first run at the threshold, in order of frames
+  std::optional<PeopleLosses> losses;    ///< by stage; nothing where it does not tell
 };
 
 /// How the scan came out at a setting, all pairs and runs together.

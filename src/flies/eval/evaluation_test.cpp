@@ -171,6 +171,39 @@ TEST(Evaluate, JudgesNoScanWithoutTruthForIt) {
   EXPECT_FALSE(evaluate(dataset, frames, {reported_method("reported", {reported})}).methods[0].scan.has_value());
 }
 
+/// Reports nobody and says where the person of `made_up_dataset` got lost.
+FindingRun losing_at(PersonStage stage) {
+  return [stage](std::size_t, const TruthFrame& frame) {
+    Findings findings;
+    findings.people.emplace();
+    findings.people->trail.emplace();
+    findings.people->trail->boxes = 8;
+    for (std::size_t i = 0; i < frame.truth.objects.size(); ++i)
+      if (frame.truth.objects[i].type == "Pedestrian")
+        findings.people->trail->paths.push_back({.object = i, .stage = stage, .rank = 0});
+    return findings;
+  };
+}
+
+TEST(Evaluate, TellsTheStagesThatLostPeople) {
+  Dataset dataset = made_up_dataset(2);
+  dataset.load = [load = dataset.load](std::size_t i) {
+    TruthFrame frame = load(i);
+    for (auto& object : frame.truth.objects) object.box = {20, 5, 20, 50};
+    return frame;
+  };
+  const Method method{"loser", {losing_at(PersonStage::first_look), losing_at(PersonStage::second_look)}};
+  const std::vector<std::size_t> frames = {0, 1};
+  const Evaluation evaluation = evaluate(dataset, frames, {method});
+  const PeopleResult& people = evaluation.methods[0].people.value();
+  ASSERT_EQ(people.missed.size(), 1u);
+  EXPECT_EQ(people.missed[0].stages[static_cast<std::size_t>(PersonStage::first_look)], 1);
+  EXPECT_EQ(people.missed[0].stages[static_cast<std::size_t>(PersonStage::second_look)], 1);
+  ASSERT_TRUE(people.losses.has_value());
+  EXPECT_EQ(people.losses->people[static_cast<std::size_t>(PersonStage::first_look)], 1);
+  EXPECT_NEAR(people.losses->boxes_per_pair, 8.0, kExact);
+}
+
 TEST(FliesMethod, RunsSeedsThatDifferAndRepeatThemselves) {
   DetectorOptions options;
   options.evolve.flies = 200;
@@ -182,6 +215,7 @@ TEST(FliesMethod, RunsSeedsThatDifferAndRepeatThemselves) {
   EXPECT_GE(first.evaluations.value(), 200.0);
   EXPECT_GT(first.time_ms.value(), 0.0);
   EXPECT_TRUE(first.obstacles.empty());  // a grey wall holds nothing to match
+  EXPECT_TRUE(first.people->trail.has_value());
 }
 
 }  // namespace

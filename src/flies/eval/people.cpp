@@ -218,6 +218,10 @@ double intersection_over_union(const ImageBox& a, const ImageBox& b) {
   return either > 0.0 ? both / either : 0.0;
 }
 
+double people_overlap(const ImageBox& a, const ImageBox& b) {
+  return intersection_over_union(standardised(a), standardised(b));
+}
+
 PeopleFrame score_people(const FrameTruth& truth, std::span<const Pedestrian> reports, const PeopleOptions& options) {
   PeopleFrame frame;
   for (const auto& object : truth.objects) {

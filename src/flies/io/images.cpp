@@ -5,8 +5,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
+#include <initializer_list>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
+#include <vector>
 
 #include "flies/core/error.hpp"
 #include "flies/io/image_codecs.hpp"
@@ -79,11 +83,51 @@ int significant_bits(const cv::Mat& gray) {
   return std::max(8, static_cast<int>(std::bit_width(static_cast<unsigned>(maximum))));
 }
 
-GrayImage to_8_bits(const cv::Mat& gray, int bit_depth) {
+/// Levels of 16 bits that become black and white; what lies outside is cut off.
+struct Band {
+  int low = 0, high = 0;
+};
+
+/// The band that is worth stretching, when shifting would leave next to nothing: a hot pixel far above all others, or a
+/// scene in a narrow band of levels, as thermal cameras deliver it.
+std::optional<Band> narrow_band(std::initializer_list<const cv::Mat*> images, int bit_depth) {
+  constexpr double kCutOff = 0.001;  // of the pixels, at both ends
+  constexpr int kEnoughLevels = 40;  // after shifting
+  constexpr int kLeastLevels = 16;   // fewer are noise
+  std::vector<std::size_t> histogram(std::size_t{1} << 16);
+  std::size_t pixels = 0;
+  for (const cv::Mat* image : images) {
+    if (image->depth() != CV_16U) return std::nullopt;
+    for (int v = 0; v < image->rows; ++v)
+      for (int u = 0; u < image->cols; ++u) ++histogram[image->at<std::uint16_t>(v, u)];
+    pixels += image->total();
+  }
+  const auto cut_off = static_cast<std::size_t>(kCutOff * static_cast<double>(pixels));
+  Band band{0, static_cast<int>(histogram.size()) - 1};
+  for (std::size_t below = histogram.front(); below <= cut_off;)
+    below += histogram[static_cast<std::size_t>(++band.low)];
+  for (std::size_t above = histogram.back(); above <= cut_off;)
+    above += histogram[static_cast<std::size_t>(--band.high)];
+  const int levels = band.high - band.low;
+  if (levels < kLeastLevels || (levels >> (bit_depth - 8)) >= kEnoughLevels) return std::nullopt;
+  return band;
+}
+
+/// @param band of a 16-bit image to be stretched; nothing: it is shifted
+GrayImage to_8_bits(const cv::Mat& gray, int bit_depth, const std::optional<Band>& band) {
   GrayImage image{gray.cols, gray.rows, std::vector<std::uint8_t>(gray.total())};
   cv::Mat pixels(gray.rows, gray.cols, CV_8U, image.pixels.data());
   if (gray.depth() == CV_8U) {
     gray.copyTo(pixels);
+    return image;
+  }
+  if (band) {
+    const int levels = band->high - band->low;
+    for (int v = 0; v < gray.rows; ++v)
+      std::transform(gray.ptr<std::uint16_t>(v), gray.ptr<std::uint16_t>(v) + gray.cols, pixels.ptr<std::uint8_t>(v),
+                     [&](std::uint16_t level) {
+                       return static_cast<std::uint8_t>(std::clamp(level - band->low, 0, levels) * 255 / levels);
+                     });
     return image;
   }
   // Shifted, not rounded: the brightest level must stay below 256.
@@ -98,7 +142,8 @@ GrayImage to_8_bits(const cv::Mat& gray, int bit_depth) {
 
 GrayImage load_gray_image(const std::string& path, int min_width_px, int min_height_px) {
   const cv::Mat gray = read_gray(path, {min_width_px, min_height_px});
-  return to_8_bits(gray, significant_bits(gray));
+  const int bit_depth = significant_bits(gray);
+  return to_8_bits(gray, bit_depth, narrow_band({&gray}, bit_depth));
 }
 
 GrayPair load_pair(const std::string& left_path, const std::string& right_path) {
@@ -115,7 +160,8 @@ GrayPair load_pair(const std::string& left_path, const std::string& right_path) 
   if (cv::norm(left, right, cv::NORM_INF) == 0.0)
     throw InputError(right_path, "pixels", fmt::format("not a pair: the image is identical to {}", left_path));
   const int bit_depth = std::max(significant_bits(left), significant_bits(right));
-  return {to_8_bits(left, bit_depth), to_8_bits(right, bit_depth), bit_depth};
+  const auto band = narrow_band({&left, &right}, bit_depth);
+  return {to_8_bits(left, bit_depth, band), to_8_bits(right, bit_depth, band), bit_depth};
 }
 
 }  // namespace flies

@@ -83,6 +83,26 @@ TEST(LoadPair, ShiftsBoth16BitImagesAlike) {
   }
 }
 
+TEST(LoadPair, SeesTheSceneInSpiteOfAHotPixel) {
+  const TemporaryFolder folder;
+  cv::Mat left = noise(CV_16UC1, 1, 1000), right = noise(CV_16UC1, 2, 1000);
+  right.at<std::uint16_t>(3, 4) = 65535;
+  const auto pair = load_pair(save(folder, "l.png", left), save(folder, "r.png", right));
+  const int level = left.at<std::uint16_t>(9, 7);
+  EXPECT_NEAR(pair.left.view().at(7, 9), level * 255 / 1000, 2);
+  EXPECT_EQ(pair.right.view().at(4, 3), 255);
+}
+
+TEST(LoadPair, StretchesANarrowBandOfLevelsAlikeInBoth) {
+  const TemporaryFolder folder;
+  const cv::Mat left = noise(CV_16UC1, 1, 60) + cv::Scalar(20000), right = noise(CV_16UC1, 2, 60) + cv::Scalar(20010);
+  const auto pair = load_pair(save(folder, "l.png", left), save(folder, "r.png", right));
+  // From 20000 to 20069 in all.
+  const auto expected = [](std::uint16_t level) { return (level - 20000) * 255 / 69; };
+  EXPECT_NEAR(pair.left.view().at(7, 9), expected(left.at<std::uint16_t>(9, 7)), 5);
+  EXPECT_NEAR(pair.right.view().at(7, 9), expected(right.at<std::uint16_t>(9, 7)), 5);
+}
+
 TEST(LoadPair, LeavesSmall16BitValuesUnshifted) {
   const TemporaryFolder folder;
   const cv::Mat left = noise(CV_16UC1, 1, 200);

@@ -1,0 +1,165 @@
+#include "flies/classify/convolution.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "flies/classify/dot.hpp"
+#include "flies/classify/kernels/convolve.hpp"
+#include "flies/classify/resample.hpp"
+
+namespace flies {
+namespace {
+
+constexpr double kMostInput = 8.0;
+/// Steps of an input of 1; the largest has 2048.
+constexpr double kInputSteps = 256.0;
+constexpr double kMostWeight = 2047.0;
+/// Of the sizes of a channel's weights: times the largest activation it stays below 2^31.
+constexpr double kMostWeights = 500'000.0;
+constexpr std::size_t kTaps = 9;
+
+std::size_t rounded_up(std::size_t count, std::size_t unit) { return (count + unit - 1) / unit * unit; }
+
+/// Channels of one pixel after the other, in a frame of zeros one pixel wide.
+template <class T>
+struct Activations {
+  std::size_t width = 0, height = 0, channels = 0;
+  std::vector<T> values;
+
+  Activations(std::size_t w, std::size_t h, std::size_t c)
+      : width(w), height(h), channels(c), values((w + 2) * (h + 2) * c) {}
+  std::size_t row() const { return (width + 2) * channels; }
+  T* pixel(std::size_t u, std::size_t v) { return values.data() + (v + 1) * row() + (u + 1) * channels; }
+};
+
+/// Sums of every eighth: an order of its own, which does not hold up the processor.
+template <class Term>
+double sum_of_eight(std::span<const float> values, const Term& term) {
+  double sums[8] = {};
+  for (std::size_t i = 0; i < values.size(); ++i) sums[i % 8] += term(static_cast<double>(values[i]));
+  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+}
+
+}  // namespace
+
+void normalise_levels(std::span<float> levels) {
+  const auto count = static_cast<double>(levels.size());
+  const double mean = sum_of_eight(levels, [](double level) { return level; }) / count;
+  const double variance = sum_of_eight(levels, [=](double level) { return (level - mean) * (level - mean); }) / count;
+  const auto offset = static_cast<float>(mean);
+  const auto scale = static_cast<float>(1.0 / std::max(std::sqrt(variance), kLeastContrast));
+  constexpr auto kMost = static_cast<float>(kMostInput);
+  for (float& level : levels) level = std::clamp((level - offset) * scale, -kMost, kMost);
+}
+
+std::vector<float> convolution_input(const GrayView& image, const ImageBox& window) {
+  FloatImage levels = resample(image, window, kConvolutionWidth_px, kConvolutionHeight_px);
+  normalise_levels(levels.values);
+  return std::move(levels.values);
+}
+
+double convolution_score(const ConvolutionStage& stage, std::span<const float> input) {
+  Activations<double> from(kConvolutionWidth_px, kConvolutionHeight_px, 1);
+  assert(input.size() == from.width * from.height);
+  for (std::size_t v = 0; v < from.height; ++v)
+    for (std::size_t u = 0; u < from.width; ++u) *from.pixel(u, v) = input[v * from.width + u];
+  for (const ConvolutionLayer& layer : stage.layers) {
+    const auto stride = static_cast<std::size_t>(layer.stride);
+    Activations<double> to((from.width + stride - 1) / stride, (from.height + stride - 1) / stride, layer.weights.rows);
+    for (std::size_t v = 0; v < to.height; ++v)
+      for (std::size_t u = 0; u < to.width; ++u)
+        for (std::size_t o = 0; o < to.channels; ++o) {
+          double sum = layer.biases[o];
+          for (std::size_t tap = 0; tap < kTaps; ++tap) {
+            // The frame makes up for the pixel above and left of the output.
+            const double* pixel =
+                from.values.data() + (v * stride + tap / 3) * from.row() + (u * stride + tap % 3) * from.channels;
+            for (std::size_t i = 0; i < from.channels; ++i) sum += pixel[i] * layer.weights.row(o)[i * kTaps + tap];
+          }
+          to.pixel(u, v)[o] = std::clamp(sum, 0.0, layer.largest);
+        }
+    from = std::move(to);
+  }
+  double score = stage.bias;
+  for (std::size_t v = 0, k = 0; v < from.height; ++v)
+    for (std::size_t u = 0; u < from.width; ++u)
+      for (std::size_t o = 0; o < from.channels; ++o, ++k) score += from.pixel(u, v)[o] * stage.last[k];
+  return score;
+}
+
+ConvolutionMachine::ConvolutionMachine(const ConvolutionStage& stage) : bias_(stage.bias) {
+  std::size_t width = kConvolutionWidth_px, height = kConvolutionHeight_px, channels = 2;
+  double step = 1.0 / kInputSteps;  // of the layer's inputs
+  for (const ConvolutionLayer& from : stage.layers) {
+    Layer layer;
+    layer.stride = static_cast<std::size_t>(from.stride);
+    layer.width = width = (width + layer.stride - 1) / layer.stride;
+    layer.height = height = (height + layer.stride - 1) / layer.stride;
+    layer.pairs = channels / 2;
+    layer.outputs = rounded_up(from.weights.rows, kernels::kConvolutionLanes);
+    layer.weights.resize(kTaps * layer.pairs * layer.outputs * 2);
+    layer.scale.resize(layer.outputs);
+    layer.offset.resize(layer.outputs);
+    const double output_step = from.largest / static_cast<double>(kernels::kMostActive);
+    for (std::size_t o = 0; o < from.weights.rows; ++o) {
+      const auto row = from.weights.row(o);
+      double largest = 0.0, sum = 0.0;
+      for (const float weight : row) {
+        largest = std::max(largest, static_cast<double>(std::abs(weight)));
+        sum += static_cast<double>(std::abs(weight));
+      }
+      const double steps = largest > 0.0 ? std::min(kMostWeight / largest, kMostWeights / sum) : 1.0;
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        const std::size_t channel = i / kTaps, tap = i % kTaps;
+        layer.weights[((tap * layer.pairs + channel / 2) * layer.outputs + o) * 2 + channel % 2] =
+            static_cast<std::int16_t>(std::lround(static_cast<double>(row[i]) * steps));
+      }
+      layer.scale[o] = static_cast<float>(step / steps / output_step);
+      layer.offset[o] = static_cast<float>(static_cast<double>(from.biases[o]) / output_step);
+    }
+    channels = layer.outputs;
+    step = output_step;
+    layers_.push_back(std::move(layer));
+  }
+  // As wide as the activations, whose last channels may be nobody's.
+  const std::size_t outputs = stage.layers.back().weights.rows;
+  last_.resize(width * height * channels);
+  for (std::size_t k = 0; k < stage.last.size(); ++k)
+    last_[k / outputs * channels + k % outputs] = static_cast<float>(static_cast<double>(stage.last[k]) * step);
+}
+
+double ConvolutionMachine::score(std::span<const float> input) const {
+  Activations<std::int16_t> from(kConvolutionWidth_px, kConvolutionHeight_px, 2);
+  for (std::size_t v = 0; v < from.height; ++v)
+    for (std::size_t u = 0; u < from.width; ++u)
+      *from.pixel(u, v) =
+          static_cast<std::int16_t>(std::nearbyint(input[v * from.width + u] * static_cast<float>(kInputSteps)));
+  for (const Layer& layer : layers_) {
+    Activations<std::int16_t> to(layer.width, layer.height, layer.outputs);
+    kernels::convolve({layer.width, layer.height, layer.stride, layer.pairs, layer.outputs, layer.weights.data(),
+                       layer.scale.data(), layer.offset.data()},
+                      from.values.data(), from.row(), to.pixel(0, 0), to.row());
+    from = std::move(to);
+  }
+  double score = bias_;
+  const std::size_t row = from.width * from.channels;
+  for (std::size_t v = 0; v < from.height; ++v) {
+    const std::int16_t* levels = from.pixel(0, v);
+    const float* weights = last_.data() + v * row;
+    score +=
+        static_cast<double>(sum_terms(row, [=](std::size_t i) { return static_cast<float>(levels[i]) * weights[i]; }));
+  }
+  return score;
+}
+
+std::vector<double> ConvolutionMachine::scores(const GrayView& image, std::span<const ImageBox> windows) const {
+  std::vector<double> scores(windows.size());
+  tbb::parallel_for(std::size_t{0}, windows.size(),
+                    [&](std::size_t i) { scores[i] = score(convolution_input(image, windows[i])); });
+  return scores;
+}
+
+}  // namespace flies
