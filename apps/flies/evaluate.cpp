@@ -42,7 +42,7 @@ struct EvaluateArguments {
   int seeds = 5;
   std::string model;
   MethodArguments method;
-  Overrides match, people, estimate, sectors, dense, hog;  ///< dotted name and text
+  Overrides match, people, estimate, sectors, dense, hog, tracker;  ///< dotted name and text
   std::string unlabelled, json, plot, scan_plot;
   bool missed = false;
   std::optional<bool> sequence;  ///< nothing: where it can be followed
@@ -143,7 +143,7 @@ bool wants_sequence(const EvaluateArguments& arguments, const flies::Dataset& da
 flies::SequenceResult follow(const EvaluateArguments& arguments, const flies::Dataset& dataset,
                              const std::vector<std::size_t>& frames, const EvaluationContext& context) {
   const ProgressBar progress(frames.size(), "pairs followed");
-  return flies::evaluate_sequence(dataset, frames.front(), frames.back() + 1, context.options, {},
+  return flies::evaluate_sequence(dataset, frames.front(), frames.back() + 1, context.options, context.tracker,
                                   classifier_for(arguments.method.preset, arguments.model), context.measuring,
                                   [&](std::size_t done) { progress.show(done); });
 }
@@ -155,6 +155,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
   context.options = effective_options(arguments.method);
   context.measuring = measuring_of(arguments);
   context.dense = with_overrides<flies::DenseOptions>(arguments.dense);
+  context.tracker = with_overrides<flies::TrackerOptions>(arguments.tracker);
   context.hog = with_overrides<flies::HogOptions>(arguments.hog);
 
   flies::Dataset dataset = flies::open_dataset(arguments.folder, dataset_request(arguments));
@@ -219,7 +220,7 @@ void add_dotted_options(CLI::App& command, const std::string& name, Overrides& o
   for (const auto& listing : flies::list_options(Options{}))
     command
         .add_option_function<std::string>(
-            "--" + name + "." + listing.path,
+            "--" + (name.empty() ? listing.path : name + "." + listing.path),
             [&overrides, path = listing.path](const std::string& text) { overrides.emplace_back(path, text); },
             fmt::format("{}; {}, default {}", listing.meaning, listing.allowed, listing.value))
         ->type_name("N")
@@ -262,6 +263,7 @@ void setup_evaluate(CLI::App& app) {
   add_dotted_options<flies::SectorOptions>(*command, "sectors", arguments->sectors);
   add_dotted_options<flies::PeopleOptions>(*command, "people", arguments->people);
   add_dotted_options<flies::EstimateOptions>(*command, "estimate", arguments->estimate);
+  add_dotted_options<flies::TrackerOptions>(*command, "", arguments->tracker);
   command
       ->add_flag_function(
           "--sequence,!--no-sequence", [arguments](std::int64_t count) { arguments->sequence = count > 0; },

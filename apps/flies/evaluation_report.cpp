@@ -584,6 +584,7 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
                {"sector_options", json_of_options(context.measuring.sectors)},
                {"dense", json_of_options(context.dense)},
                {"hog", json_of_options(context.hog)},
+               {"tracker", json_of_options(context.tracker)},
                {"options", json_of_options(context.options)},
                {"methods", Json::array()}};
   for (const auto& method : evaluation.methods) json["methods"].push_back(json_of(method, evaluation));

@@ -14,6 +14,7 @@ struct EvaluationContext {
   flies::EvaluationOptions measuring;
   flies::DenseOptions dense;
   flies::HogOptions hog;
+  flies::TrackerOptions tracker;
   std::string preset;
   flies::DetectorOptions options;  ///< of the method's first run
 };

@@ -68,6 +68,8 @@ TEST(BlackBoxKittiTrack, FollowsTheRoadUsers) {
               m.unlabelled_moving, m.unlabelled);
   ASSERT_GT(m.objects, 0);
   EXPECT_GE(m.found, kMinRecall * m.objects);
+  EXPECT_EQ(m.identity_switches, 0);
+  EXPECT_EQ(m.fragments, 0);
 }
 
 }  // namespace

@@ -21,6 +21,10 @@ constexpr double kMinHidden = 0.5;  // share of its width behind nearer things t
 constexpr double kHidingDistance_m = 1.0;
 constexpr double kSizeGain = 0.25;  // of the newest sighting in the size
 
+constexpr double kSameThing_m = 0.3;  // tracks nearer than this, or than half the width of the wider, may be of one
+constexpr double kSameThingVelocity = 9.0;  // squared difference of their velocities over its covariance
+constexpr double kSameThingVelocity_mps = 1.0;
+
 constexpr double kCornerSlack_m = 1.0, kCornerSlackShare = 0.05;  // depth of a thing about its near face
 
 double median(std::vector<double>& values) {
@@ -30,6 +34,17 @@ double median(std::vector<double>& values) {
 }
 
 double logit(double p) { return std::log(p / (1.0 - p)); }
+
+/// True when nothing but their numbers tells the two apart.
+bool are_of_one_thing(const Track& a, const Track& b) {
+  const double near_m = std::max(kSameThing_m, 0.5 * std::max(a.width_m, b.width_m));
+  if (std::hypot(a.state.x_m - b.state.x_m, a.state.y_m - b.state.y_m) > near_m) return false;
+  const double dvx = a.state.vx_mps - b.state.vx_mps, dvy = a.state.vy_mps - b.state.vy_mps;
+  if (std::hypot(dvx, dvy) <= kSameThingVelocity_mps) return true;
+  const double variance =
+      a.state.covariance[2][2] + a.state.covariance[3][3] + b.state.covariance[2][2] + b.state.covariance[3][3];
+  return 2.0 * (dvx * dvx + dvy * dvy) <= kSameThingVelocity * variance;
+}
 
 /// Bearings that something covers, as y over x.
 std::pair<double, double> tangents(double x_m, double y_m, double width_m) {
@@ -193,6 +208,34 @@ Track TrackKeeper::start(const Sighting& s, const EgoMotion& ego) {
   return track;
 }
 
+/// One jump of a sighting looks like motion; several in a row that agree are.
+void TrackKeeper::judge_motion(Track& track) const {
+  track.velocity = likely_velocity(track.state, options_.moving_prior, options_.start_speed_mps);
+  if (track.unseen_s == 0.0) {
+    constexpr double kMoves = 0.5;
+    track.moving_sightings = track.velocity.moving_probability > kMoves ? track.moving_sightings + 1 : 0;
+  }
+  if (track.moving_sightings < options_.moving_sightings) track.velocity.vx_mps = track.velocity.vy_mps = 0.0;
+}
+
+/// Two sightings of one thing start two tracks; once only one of them is seen, the older number goes on with its state.
+void TrackKeeper::join_doubles() {
+  for (auto& seen : tracks_) {
+    if (seen.unseen_s > 0.0) continue;
+    for (auto& unseen : tracks_) {
+      if (unseen.unseen_s == 0.0 || unseen.sightings == 0 || !are_of_one_thing(seen, unseen)) continue;
+      if (unseen.id < seen.id) {
+        seen.id = unseen.id;
+        seen.age_s = unseen.age_s;
+        seen.probability = std::max(seen.probability, unseen.probability);
+        seen.moving_sightings = std::max(seen.moving_sightings, unseen.moving_sightings);
+      }
+      unseen.sightings = 0;  // to be removed
+    }
+  }
+  std::erase_if(tracks_, [](const Track& t) { return t.sightings == 0; });
+}
+
 std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sighting> sightings) {
   if (!ego.is_known) tracks_.clear();
   predict_all(ego);
@@ -223,10 +266,11 @@ std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sight
   std::erase_if(tracks_, [&](const Track& t) { return t.probability < options_.min_probability; });
   for (std::size_t j = 0; j < sightings.size(); ++j)
     if (!taken[j]) tracks_.push_back(start(sightings[j], ego));
+  join_doubles();
 
   for (auto& track : tracks_) {
     track.kind = track.person_log_odds > 0.0 ? TrackClass::person : TrackClass::other;
-    track.velocity = likely_velocity(track.state, options_.moving_prior, options_.start_speed_mps);
+    judge_motion(track);
   }
   std::vector<Track> reported = tracks_;
   std::stable_sort(reported.begin(), reported.end(), [](const Track& a, const Track& b) {

@@ -15,16 +15,17 @@ namespace flies {
 
 struct TrackOptions {
   double disparity_sd_px = 0.7;
-  double along_sd_m = 0.15;
+  double along_sd_m = 0.3;
   double across_sd_m = 0.1;
-  double across_sd_share = 0.12;
+  double across_sd_share = 0.3;
   double acceleration_mps2 = 1.5;
   double start_speed_mps = 5.0;
   double moving_prior = 0.15;
+  int moving_sightings = 3;
   double gate = 13.8;
-  double corner_disparity_sd_px = 0.25;
+  double corner_disparity_sd_px = 0.5;
   double corner_velocity_sd_mps = 0.2;
-  int min_corners = 3;
+  int min_corners = 4;
   double first_probability = 0.7;
   double seen_odds = 10.0;
   double detection_probability = 0.8;
@@ -41,6 +42,8 @@ struct TrackOptions {
     field("acceleration_mps2", self.acceleration_mps2, Range{0.01, 50}, "standard deviation of what things do");
     field("start_speed_mps", self.start_speed_mps, Range{0.1, 50}, "standard deviation of a new thing's velocity");
     field("moving_prior", self.moving_prior, Range{0.001, 0.999}, "share of things that move");
+    field("moving_sightings", self.moving_sightings, Range{1, 100},
+          "so often in a row a thing must seem to move before it is said to");
     field("gate", self.gate, Range{1, 100}, "squared Mahalanobis distance at which a sighting is another thing's");
     field("corner_disparity_sd_px", self.corner_disparity_sd_px, Range{0.01, 10},
           "of one corner: its velocity follows");
@@ -80,12 +83,13 @@ struct Track {
   double person_log_odds = 0.0;  ///< evidence of all pairs
   double probability = 0.0;      ///< that it exists
   GroundState state;             ///< vehicle frame of now; covariance before the question whether it moves
-  LikelyVelocity velocity;       ///< over ground, as reported
+  LikelyVelocity velocity;       ///< over ground, as reported: zero until it has seemed to move for several pairs
   double width_m = 0.0, height_m = 0.0;
   double age_s = 0.0;     ///< since it was first seen
   double unseen_s = 0.0;  ///< since it was last seen; 0: in this pair
   int sightings = 0;
-  ImageBox box;  ///< in the left image; of the sighting, or where it should be
+  int moving_sightings = 0;  ///< the last so many in a row, where it seemed to move
+  ImageBox box;              ///< in the left image; of the sighting, or where it should be
 };
 
 /// Follows things from pair to pair: constant velocity over ground, optimal assignment, a probability that each exists.
@@ -110,6 +114,8 @@ class TrackKeeper {
   void see(Track& track, const Sighting& sighting, const EgoMotion& ego) const;
   void miss(Track& track, std::span<const Sighting> sightings) const;
   Track start(const Sighting& sighting, const EgoMotion& ego);
+  void judge_motion(Track& track) const;
+  void join_doubles();
 
   StereoCamera camera_;
   Projection projection_;

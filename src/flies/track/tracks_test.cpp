@@ -267,6 +267,39 @@ TEST(TrackKeeper, TakesTheVelocityOfCornersOnAThing) {
   EXPECT_LT(speed(true), 0.5);
 }
 
+TEST(TrackKeeper, SaysThatAThingMovesOnlyAfterSeveralSightings) {
+  const auto first_motion = [](int moving_sightings) {
+    TrackOptions options;
+    options.moving_sightings = moving_sightings;
+    TrackKeeper keeper(camera(), options);
+    for (int i = 0; i < 20; ++i) {
+      const auto tracks = keeper.step(standing(), std::vector{at(10, -3 + 2.0 * kDt_s * i)});
+      if (tracks.size() == 1 && tracks[0].velocity.vy_mps > 1.0) return i;
+    }
+    return -1;
+  };
+  const int at_once = first_motion(1);
+  EXPECT_GT(at_once, 0);
+  EXPECT_EQ(first_motion(6), at_once + 5);
+}
+
+TEST(TrackKeeper, JoinsTwoTracksOfOneThingUnderTheOlderNumber) {
+  TrackKeeper keeper(camera());
+  std::vector<Track> tracks;
+  for (int i = 0; i < 4; ++i) keeper.step(standing(), std::vector{at(10, 0)});
+  keeper.step(standing(), std::vector{at(10, 0), at(10.2, 0.1)});  // seen twice
+  for (int i = 0; i < 3; ++i) tracks = keeper.step(standing(), std::vector{at(10.2, 0.1)});
+  ASSERT_EQ(tracks.size(), 1U);
+  EXPECT_EQ(tracks[0].id, 1U);
+  EXPECT_NEAR(tracks[0].age_s, 0.7, 1e-9);
+}
+
+TEST(TrackKeeper, DoesNotJoinNeighbours) {
+  TrackKeeper keeper(camera());
+  for (int i = 0; i < 5; ++i) keeper.step(standing(), std::vector{at(10, 0), at(10, 0.9)});
+  EXPECT_EQ(keeper.step(standing(), std::vector{at(10, 0.9)}).size(), 2U) << "one was only missed";
+}
+
 TEST(TrackKeeper, RefusesOptionsOutOfRange) {
   TrackOptions options;
   options.gate = 0.0;
