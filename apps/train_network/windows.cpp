@@ -1,11 +1,14 @@
 #include "windows.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
+#include <system_error>
 
 #include "flies/classify/resample.hpp"
+#include "flies/core/error.hpp"
 #include "flies/eval/dataset.hpp"
 #include "flies/eval/people.hpp"
 #include "flies/eval/text.hpp"
@@ -52,7 +55,9 @@ void read_labels(const fs::path& file, Picture& picture) {
 
 std::vector<Picture> street_pictures(const fs::path& folder, bool has_background) {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder / "images")) files.push_back(entry.path());
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder / "images", error)) files.push_back(entry.path());
+  if (error) throw InputError((folder / "images").string(), "", "cannot be read: " + error.message());
   std::sort(files.begin(), files.end());
   std::vector<Picture> pictures;
   for (const auto& file : files) {
@@ -69,7 +74,11 @@ std::vector<Picture> street_pictures(const fs::path& folder, bool has_background
 /// Pictures that follow each other show one scene: runs of 50 numbers of the squares of Darmstadt, of 10 of the rest.
 bool is_kept_apart(const std::string& name) {
   const bool is_sequence = name.starts_with("tud");
-  const auto number = std::stoull(name.substr(name.find('_') + 1));
+  std::uint64_t number = 0;
+  const std::string digits = name.substr(name.find('_') + 1);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error != std::errc{} || end != digits.data() + digits.size())
+    throw InputError(name, "", "expected a picture's name like tud_000123: source, underscore, number");
   return number / (is_sequence ? 50 : 10) % 2 == 1;
 }
 
