@@ -19,8 +19,8 @@ GrayImage load_gray_image(const std::string& path, int min_width_px = kMinImageW
 
 /// Reads the two images of a pair. Files with 16 bits hold anything from 9 to 16 significant ones; both images are
 /// shifted by the same number of bits, the smallest that fits the larger maximum of the two into 8, so that equal
-/// light stays equal grey. Where that would leave fewer than 40 grey levels, because of a hot pixel or because the scene
-/// fills a narrow band of levels (thermal cameras), both are stretched alike from the 0.1 % darkest to the 0.1 %
+/// light stays equal grey. Where that would leave fewer than 40 grey levels, because of a hot pixel or because the
+/// scene fills a narrow band of levels (thermal cameras), both are stretched alike from the 0.1 % darkest to the 0.1 %
 /// brightest pixels.
 /// @throws InputError for the faults of `load_gray_image`, for sizes or bit depths that differ, and for one image given
 ///         twice
