@@ -16,7 +16,7 @@ constexpr std::size_t kPairs = 5;
 bool is_to_be_corrected(const std::optional<flies::RowError>& rows, SelfRectify mode) {
   if (!rows || mode == SelfRectify::off) return false;
   if (mode == SelfRectify::on) return true;
-  return rows->largest_px() >= flies::kRowErrorMatters_px && flies::can_be_made_up_for(*rows);
+  return rows->typical_px() >= flies::kRowErrorMatters_px && flies::can_be_made_up_for(*rows);
 }
 
 }  // namespace

@@ -388,7 +388,9 @@ std::string people_model_text(const PeopleModel& model) {
   std::string text = json.dump(kIndent);
   text.resize(text.rfind('\n'));
   text += ',';
-  return text + std::string(kChecksumKey) + '"' + checksum_of(text) + "\"\n}\n";
+  const std::string checksum = checksum_of(text);
+  text.append(kChecksumKey).append(1, '"').append(checksum).append("\"\n}\n");
+  return text;
 }
 
 void write_people_model(const std::string& path, const PeopleModel& model) {

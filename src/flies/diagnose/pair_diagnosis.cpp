@@ -120,7 +120,7 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
                     100.0 * (1.0 - d.textured_share), what_hides(d)));
     return found;  // all else follows from that
   }
-  const double row_error_px = d.rows ? d.rows->largest_px() : 0.0;
+  const double row_error_px = d.rows ? d.rows->typical_px() : 0.0;
   if (row_error_px >= kRowErrorMatters_px)
     found.push_back(fmt::format(
         "rows of the right image lie {:+.1f} px lower than those of the left one in the middle, {:+.1f} and {:+.1f} px "

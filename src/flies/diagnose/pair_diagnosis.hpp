@@ -36,7 +36,7 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs);
 /// What is not as it should be, one sentence each with what to check; empty when all looks right.
 std::vector<std::string> complaints(const PairDiagnosis& diagnosis);
 
-/// Row errors of this size cost obstacles; smaller ones do no harm. Pixels, at the side of the image.
+/// Row errors of this size cost obstacles; smaller ones do no harm. Pixels, `RowError::typical_px`.
 inline constexpr double kRowErrorMatters_px = 0.5;
 
 /// Larger ones, for an image of 600 columns, are no bent rig: these are other images than the calibration is for.

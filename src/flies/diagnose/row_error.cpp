@@ -37,6 +37,8 @@ double median(std::vector<double> values) {
 
 double RowError::largest_px() const { return std::max(std::abs(at(0.0)), std::abs(at(2.0 * middle_u_px))); }
 
+double RowError::typical_px() const { return std::hypot(offset_px, slope * 2.0 * middle_u_px / std::sqrt(12.0)); }
+
 std::vector<CornerMatch> match_corners(const RectifiedPair& pair) {
   const cv::Mat left = as_mat(pair.left), right = as_mat(pair.right);
   std::vector<cv::Point2f> corners, found, back;

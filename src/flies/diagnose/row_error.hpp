@@ -29,6 +29,8 @@ struct RowError {
   double middle_u_px = 0.0;
 
   double at(double u_px) const { return offset_px + slope * (u_px - middle_u_px); }
+  /// The root mean square over the columns of the image.
+  double typical_px() const;
   /// The largest error of a row between both sides of the image.
   double largest_px() const;
 };

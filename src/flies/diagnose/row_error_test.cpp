@@ -30,6 +30,7 @@ TEST(RowErrorOfAPair, TellsRollFromAnOffset) {
   EXPECT_NEAR(error->offset_px, 0.5, 0.1);
   EXPECT_NEAR(error->slope, 0.005, 0.0005);
   EXPECT_NEAR(error->largest_px(), 0.5 + 0.005 * 319.5, 0.2);
+  EXPECT_NEAR(error->typical_px(), std::hypot(0.5, 0.005 * 640 / std::sqrt(12.0)), 0.1);
 }
 
 TEST(RowErrorOfAPair, IsNotToldWithoutCorners) {
