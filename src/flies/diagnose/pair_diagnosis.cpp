@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "flies/diagnose/median.hpp"
 #include "flies/road/road.hpp"
 
 namespace flies {
@@ -22,13 +23,6 @@ constexpr int kMinPatches = 40;
 constexpr double kFewMatched = 0.2;
 constexpr double kManyBeyond = 0.15;
 constexpr int kMinBeyond = 8;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 void see_levels(const GrayView& image, PairDiagnosis& diagnosis) {
   int textured = 0;
@@ -84,6 +78,7 @@ PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camer
 
 PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
   PairDiagnosis run;
+  if (pairs.empty()) return run;
   std::vector<double> textured, dark, bright;
   std::vector<RowError> rows;
   int roads = 0;
@@ -98,9 +93,9 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
     if (pair.rows) rows.push_back(*pair.rows);
     roads += pair.road_found;
   }
-  run.textured_share = median(std::move(textured));
-  run.dark_share = median(std::move(dark));
-  run.bright_share = median(std::move(bright));
+  run.textured_share = upper_median(std::move(textured));
+  run.dark_share = upper_median(std::move(dark));
+  run.bright_share = upper_median(std::move(bright));
   run.rows = median_row_error(rows);
   run.road_found = roads > 0;
   return run;
