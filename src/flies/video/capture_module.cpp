@@ -1,4 +1,6 @@
 // The module flies_video: OpenCV's videoio behind `open_capture`.
+#include <dlfcn.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <exception>
@@ -71,18 +73,21 @@ cv::VideoCapture open_stream(const std::string& source) {
                           cv::CAP_GSTREAMER);
 }
 
-cv::VideoCapture open_file(const std::string& source) {
-  cv::VideoCapture capture(source, cv::CAP_FFMPEG);
-  // With its other readers OpenCV would take `a0.png` for a series of pictures.
-  if (!capture.isOpened()) capture.open(source, cv::CAP_GSTREAMER);
-  return capture;
-}
+/// With its other readers OpenCV would take `a0.png` for a series of pictures, and GStreamer has no end of words for
+/// what is no film.
+cv::VideoCapture open_file(const std::string& source) { return cv::VideoCapture(source, cv::CAP_FFMPEG); }
 
 /// What videoio and its readers have to say goes to standard error unasked; the caller says it in words of its own.
 void keep_quiet() {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
   setenv("GST_DEBUG", "0", 0);
+  // GStreamer's complaints about pipelines that videoio takes apart go through GLib, which it brings along.
+  using Handler = void (*)(const char*, int, const char*, void*);
+  void* glib = dlopen("libglib-2.0.so.0", RTLD_NOW | RTLD_NOLOAD);
+  if (glib == nullptr) return;
+  const auto set_handler = reinterpret_cast<Handler (*)(Handler, void*)>(dlsym(glib, "g_log_set_default_handler"));
+  if (set_handler != nullptr) set_handler([](const char*, int, const char*, void*) {}, nullptr);
 }
 
 }  // namespace

@@ -182,8 +182,11 @@ class Reading {
       return true;
     }
     state_->find(lock);
-    if (!state_->options.is_living)
-      state_->taken.wait(lock, [&] { return state_->is_over(mine_) || state_->waiting.size() < kMostWaiting; });
+    if (!state_->options.is_living) {
+      // A film that waits, because it is paused or for the first calibration, is not to come in a burst afterwards.
+      const std::size_t most = state_->options.is_patient ? kMostWaiting : 1;
+      state_->taken.wait(lock, [&] { return state_->is_over(mine_) || state_->waiting.size() < most; });
+    }
     if (state_->is_over(mine_)) return false;
     if (state_->waiting.size() >= kMostWaiting) {
       state_->waiting.pop_front();

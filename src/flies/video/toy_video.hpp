@@ -1,6 +1,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/videoio.hpp>
 #include <string>
 
@@ -22,6 +23,7 @@ inline void write_toy_film(const std::string& path, int frames, double rate_hz =
 
 /// GStreamer's test sources are not on every machine.
 inline bool has_gstreamer() {
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   cv::VideoCapture capture("videotestsrc num-buffers=1 ! videoconvert ! video/x-raw,format=BGR ! appsink",
                            cv::CAP_GSTREAMER);
   cv::Mat picture;
