@@ -2,7 +2,7 @@
 find_package(fmt REQUIRED)
 find_package(TBB REQUIRED)
 find_package(hwy REQUIRED)
-find_package(OpenCV 4.5 REQUIRED COMPONENTS core imgproc calib3d features2d video objdetect dnn)
+find_package(OpenCV 4.5 REQUIRED COMPONENTS core imgproc calib3d features2d video videoio objdetect dnn)
 find_package(JPEG REQUIRED)
 find_package(PNG REQUIRED)
 find_package(TIFF 4.5 REQUIRED)

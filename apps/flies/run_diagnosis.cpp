@@ -70,15 +70,20 @@ RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::C
     } catch (const flies::InputError&) {  // told when its turn comes
     }
   }
+  return diagnose_sample(std::move(sample), calibration, mode);
+}
+
+RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, const flies::Calibration& calibration,
+                             SelfRectify mode) {
   RunDiagnosis run;
   if (sample.empty()) return run;
   run.is_known = true;
-  const auto diagnose_sample = [&] {
+  const auto diagnose_now = [&] {
     std::vector<flies::PairDiagnosis> each;
     for (const auto& images : sample) each.push_back(flies::diagnose_pair(images.view(), calibration.camera));
     return flies::diagnose_run(each);
   };
-  run.diagnosis = diagnose_sample();
+  run.diagnosis = diagnose_now();
   if (is_to_be_corrected(run.diagnosis.rows, mode)) {
     run.correction = run.diagnosis.rows;
     run.notes.push_back(fmt::format(
@@ -87,7 +92,7 @@ RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::C
         "made up for; calibrate again, or --self-rectify off",
         run.correction->offset_px, run.correction->at(0.0), run.correction->at(2.0 * run.correction->middle_u_px)));
     for (auto& images : sample) run.correct(images);
-    run.diagnosis = diagnose_sample();
+    run.diagnosis = diagnose_now();
   }
   for (auto& complaint : flies::complaints(run.diagnosis)) run.notes.push_back(std::move(complaint));
   return run;

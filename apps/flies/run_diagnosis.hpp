@@ -36,3 +36,7 @@ struct RunDiagnosis {
 /// Diagnoses up to five readable pairs of a run; those that cannot be used are passed over.
 RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::Calibration& calibration,
                       SelfRectify mode);
+
+/// The same of pairs at hand, rectified and of the camera's size.
+RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, const flies::Calibration& calibration,
+                             SelfRectify mode);
