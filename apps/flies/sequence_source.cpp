@@ -21,6 +21,12 @@ std::array<int, 2> cameras_of(const fs::path& drive, const SequenceRequest& requ
                                                                                     : std::array{2, 3};
 }
 
+/// What `flies synth --sequence` makes.
+bool is_drawn(const fs::path& folder) {
+  return fs::is_directory(folder / "left") && fs::is_directory(folder / "right") && fs::exists(folder / "times.txt") &&
+         fs::exists(folder / "calib.yaml");
+}
+
 std::vector<double> even_times(std::size_t count, double rate_hz) {
   std::vector<double> times_s(count);
   for (std::size_t i = 0; i < count; ++i) times_s[i] = static_cast<double>(i) / rate_hz;
@@ -42,13 +48,20 @@ SequenceSource open_sequence(const SequenceRequest& request) {
   SequenceSource source;
   source.calib = request.calib;
   std::string own_times;
-  if (request.sources.size() == 1) {
+  if (request.sources.size() == 1 && is_drawn(request.sources[0])) {
+    const fs::path folder = request.sources[0];
+    source.pairs = flies::find_pairs((folder / "left").string(), (folder / "right").string());
+    own_times = (folder / "times.txt").string();
+    if (source.calib.empty()) source.calib = (folder / "calib.yaml").string();
+  } else if (request.sources.size() == 1) {
     const fs::path drive = request.sources[0];
     const auto [left, right] = cameras_of(drive, request);
     if (!fs::is_directory(camera_folder(drive, left) / "data") ||
         !fs::is_directory(camera_folder(drive, right) / "data"))
       throw flies::InputError(request.sources[0], "",
-                              "is no KITTI raw drive (image_00/data and image_01/data), expected one, or two folders");
+                              "is no KITTI raw drive (image_00/data and image_01/data) and no folder of flies synth "
+                              "--sequence, expected one, "
+                              "or two folders");
     source.pairs = flies::find_pairs((camera_folder(drive, left) / "data").string(),
                                      (camera_folder(drive, right) / "data").string());
     own_times = (camera_folder(drive, left) / "timestamps.txt").string();

@@ -16,7 +16,7 @@ struct SequenceSource {
 };
 
 struct SequenceRequest {
-  std::vector<std::string> sources;           ///< a KITTI raw drive, or a left and a right folder
+  std::vector<std::string> sources;           ///< a KITTI raw drive, a drawn sequence, or a left and a right folder
   std::string calib;                          ///< empty: that of the drive
   std::string times;                          ///< file of times, a line a pair; empty: see below
   std::optional<double> rate_hz;              ///< pairs a second

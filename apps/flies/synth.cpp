@@ -6,16 +6,19 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "commands.hpp"
+#include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/options_yaml.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/synth/render.hpp"
+#include "flies/synth/sequence.hpp"
 #include "progress_bar.hpp"
 #include "staged_folder.hpp"
 #include "standard_output.hpp"
@@ -24,7 +27,9 @@ namespace {
 
 struct SynthArguments {
   std::string folder;
-  int frames = 1;
+  std::optional<int> frames;
+  bool is_sequence = false;
+  double rate_hz = 10.0;
   int threads = 0;
   bool force = false;
   std::string options_file;
@@ -63,38 +68,90 @@ void write_disparity_png(const std::string& path, const flies::PixelTruth& truth
 }
 
 void write_frame(const StagedFolder& folder, int frame, const flies::RenderedPair& pair,
-                 const flies::StereoCamera& camera, std::uint64_t seed) {
+                 const flies::StereoCamera& camera, std::uint64_t seed,
+                 const std::optional<flies::TruthMoment>& moment) {
   const std::string name = fmt::format("{:06}", frame);
   write_color_png(folder.path("left/" + name + ".png"), pair.left);
   write_color_png(folder.path("right/" + name + ".png"), pair.right);
   write_disparity_png(folder.path("disparity/" + name + ".png"), pair.pixels);
   flies::write_file(folder.path("label_2/" + name + ".txt"), flies::kitti_labels(pair.objects, camera));
-  flies::write_file(folder.path("truth/" + name + ".json"), flies::truth_json(pair.objects, camera, seed));
+  flies::write_file(folder.path("truth/" + name + ".json"), flies::truth_json(pair.objects, camera, seed, moment));
 }
 
-std::string summary(const SynthArguments& arguments, std::size_t obstacles, std::size_t people) {
+std::string summary(const SynthArguments& arguments, int frames, std::size_t obstacles, std::size_t people) {
   const std::string& out = arguments.folder;
-  return fmt::format(
-      "{}: {} {}, {} obstacles in view, {} of them people\n"
-      "next: flies detect {}/left {}/right --calib {}/calib.yaml\n",
-      out, arguments.frames, arguments.frames == 1 ? "pair" : "pairs", obstacles, people, out, out, out);
+  const std::string next = arguments.is_sequence
+                               ? fmt::format("flies track {}, flies evaluate {}", out, out)
+                               : fmt::format("flies detect {}/left {}/right --calib {}/calib.yaml", out, out, out);
+  return fmt::format("{}: {} {}, {} obstacles in view, {} of them people\nnext: {}\n", out, frames,
+                     frames == 1 ? "pair" : "pairs", obstacles, people, next);
+}
+
+constexpr int kUsualSequenceFrames = 60;
+
+int frames_of(const SynthArguments& arguments) {
+  if (!arguments.is_sequence) return arguments.frames.value_or(1);
+  const int frames = arguments.frames.value_or(kUsualSequenceFrames);
+  const double duration_s = (frames - 1) / arguments.rate_hz;
+  if (duration_s > flies::StreetSequence::kLongest_s)
+    throw flies::InputError("command line", "--frames",
+                            fmt::format("{} pairs at {} Hz last {:.1f} s, expected {} s at most", frames,
+                                        arguments.rate_hz, duration_s, flies::StreetSequence::kLongest_s));
+  return frames;
+}
+
+/// The scenes of a run: each of its own seed, or one drive.
+class Scenes {
+ public:
+  Scenes(const flies::SceneOptions& options, const SynthArguments& arguments)
+      : options_(options), rate_hz_(arguments.rate_hz) {
+    if (arguments.is_sequence) sequence_.emplace(options);
+  }
+
+  /// Of the noise of every frame, and of its scene where each has its own.
+  std::uint64_t seed(int frame) const { return options_.seed + static_cast<std::uint64_t>(frame); }
+
+  flies::RenderedPair render(int frame, const flies::StereoCamera& camera) const {
+    flies::SceneOptions options = options_;
+    options.seed = seed(frame);
+    const auto scene = sequence_ ? sequence_->scene_at(time_s(frame)) : flies::build_scene(options);
+    return flies::render_pair(scene, camera, options);
+  }
+
+  std::optional<flies::TruthMoment> moment(int frame) const {
+    if (!sequence_) return std::nullopt;
+    return flies::TruthMoment{time_s(frame), sequence_->pose_at(time_s(frame))};
+  }
+
+ private:
+  double time_s(int frame) const { return frame / rate_hz_; }
+
+  flies::SceneOptions options_;
+  double rate_hz_;
+  std::optional<flies::StreetSequence> sequence_;
+};
+
+void write_times(const StagedFolder& folder, const Scenes& scenes, int frames) {
+  std::string text;
+  for (int frame = 0; frame < frames; ++frame) text += fmt::format("{:.6f}\n", scenes.moment(frame)->time_s);
+  flies::write_file(folder.path("times.txt"), text);
 }
 
 void run_synth(const SynthArguments& arguments) {
   const flies::SceneOptions options = effective_options(arguments);
   const flies::StereoCamera camera = flies::synthetic_camera(options);
-  StagedFolder folder(arguments.folder, {"left", "right", "disparity", "label_2", "truth", "calib.yaml", "scene.yaml"},
+  const int frames = frames_of(arguments);
+  const Scenes scenes(options, arguments);
+  StagedFolder folder(arguments.folder,
+                      {"left", "right", "disparity", "label_2", "truth", "calib.yaml", "scene.yaml", "times.txt"},
                       arguments.force);
   std::size_t obstacles = 0, people = 0;
   {
-    const ProgressBar progress(static_cast<std::size_t>(arguments.frames));
+    const ProgressBar progress(static_cast<std::size_t>(frames));
     tbb::task_arena arena(arguments.threads > 0 ? arguments.threads : tbb::task_arena::automatic);
-    for (int frame = 0; frame < arguments.frames; ++frame) {
-      flies::SceneOptions frame_options = options;
-      frame_options.seed = options.seed + static_cast<std::uint64_t>(frame);
-      const flies::RenderedPair pair =
-          arena.execute([&] { return flies::render_pair(flies::build_scene(frame_options), camera, frame_options); });
-      write_frame(folder, frame, pair, camera, frame_options.seed);
+    for (int frame = 0; frame < frames; ++frame) {
+      const flies::RenderedPair pair = arena.execute([&] { return scenes.render(frame, camera); });
+      write_frame(folder, frame, pair, camera, scenes.seed(frame), scenes.moment(frame));
       for (const auto& object : pair.objects) {
         if (object.visible_px == 0) continue;
         ++obstacles;
@@ -105,8 +162,9 @@ void run_synth(const SynthArguments& arguments) {
   }
   flies::write_file(folder.path("calib.yaml"), flies::calibration_yaml(camera));
   flies::write_file(folder.path("scene.yaml"), flies::options_yaml(flies::list_options(options)));
+  if (arguments.is_sequence) write_times(folder, scenes, frames);
   folder.commit();
-  print(summary(arguments, obstacles, people));
+  print(summary(arguments, frames, obstacles, people));
 }
 
 }  // namespace
@@ -115,9 +173,17 @@ void setup_synth(CLI::App& app) {
   CLI::App* command = app.add_subcommand("synth", "render street scenes with known truth");
   const auto arguments = std::make_shared<SynthArguments>();
   command->add_option("OUT", arguments->folder, "folder to make")->required();
-  command->add_option("--frames", arguments->frames, "pairs to render; their seeds count up from --seed")
+  command
+      ->add_option("--frames", arguments->frames,
+                   "pairs to render, default 1, or 60 of a sequence; their seeds count up from --seed")
       ->check(CLI::Range(1, 100000))
       ->type_name("N");
+  CLI::Option* sequence = command->add_flag("--sequence", arguments->is_sequence,
+                                            "a drive through one street, where cars, cyclists and people move");
+  command->add_option("--rate", arguments->rate_hz, "pairs a second of a sequence, default 10")
+      ->check(CLI::Range(0.5, 1000.0))
+      ->needs(sequence)
+      ->type_name("HZ");
   command->add_option("--threads", arguments->threads, "worker threads, 0 for one per core; pixels do not depend on it")
       ->check(CLI::Range(0, 256))
       ->type_name("N");
@@ -140,10 +206,13 @@ void setup_synth(CLI::App& app) {
   command->footer(
       "\nWrites OUT/left/000000.png, OUT/right/..., OUT/calib.yaml, OUT/disparity/... (16 bits, disparity\n"
       "times 256, 0 for the sky), OUT/label_2/... (KITTI labels), OUT/truth/... (JSON) and OUT/scene.yaml.\n"
+      "A sequence has the times of its pairs in OUT/times.txt, and in its truth the camera's pose and every\n"
+      "object's id and velocity.\n"
       "\nExamples:\n"
       "  flies synth street                                  one town street\n"
       "  flies synth crowd --frames 20 --seed 7 --people 15  twenty busier ones\n"
       "  flies synth one --scene pedestrian --people_min_range_m 15.5\n"
+      "  flies synth drive --sequence --seed 3               six seconds of driving, 10 pairs each\n"
       "\nExit status: 0 done, 2 a fault in the options or a folder that cannot be written.");
   command->callback([arguments] { run_synth(*arguments); });
 }

@@ -74,6 +74,30 @@ TEST_F(TrackCommand, WritesKittisTrackingFormat) {
   for (const auto& line : text) EXPECT_EQ(std::count(line.begin(), line.end(), ' '), 17) << line;
 }
 
+TEST(TrackADrawnSequence, FollowsAndMeasuresIt) {
+  const TestFolder folder;
+  const Words small = {"--width_px",         "414", "--height_px", "125", "--focal_px", "240.5",
+                       "--samples_per_side", "1",   "--people",    "2"};
+  Words synth = {"synth", "drive", "--sequence", "--frames", "4", "--rate", "5"};
+  synth.insert(synth.end(), small.begin(), small.end());
+  ASSERT_EQ(run_flies(folder.path(), synth).status, 0);
+  EXPECT_EQ(read_text(folder.path() / "drive" / "times.txt"), "0.000000\n0.200000\n0.400000\n0.600000\n");
+  const RunResult tracks = run_flies(folder.path(), {"track", "drive", "--json", "-"});
+  ASSERT_EQ(tracks.status, 0) << tracks.err;
+  EXPECT_NEAR(json::parse(lines(tracks.out).at(3)).at("time_s").get<double>(), 0.6, 1e-9);
+  const RunResult measured = run_flies(folder.path(), {"evaluate", "drive", "--json", "-"});
+  ASSERT_EQ(measured.status, 0) << measured.err;
+  EXPECT_EQ(json::parse(measured.out).at("sequence").at("pairs"), 4);
+}
+
+TEST(TrackADrawnSequence, IsRefusedWhenItIsTooLong) {
+  const TestFolder folder;
+  const RunResult result = run_flies(folder.path(), {"synth", "drive", "--sequence", "--frames", "200"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("--frames: 200 pairs at 10 Hz last 19.9 s, expected 9 s at most"));
+  EXPECT_FALSE(fs::exists(folder.path() / "drive"));
+}
+
 TEST_F(TrackCommand, NamesWhatIsMissing) {
   EXPECT_THAT(run({"--rate", "10"}).err, HasSubstr("--calib"));
   write_text(folder.path() / "times.txt", "0\n1\n");

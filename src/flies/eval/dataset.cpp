@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <set>
 #include <utility>
@@ -187,6 +188,40 @@ Dataset open_kitti_object(const fs::path& folder, const DatasetRequest& request)
   return dataset;
 }
 
+/// How the vehicle moved from one moment to another.
+EgoMotion motion_between(const VehicleMoment& from, const VehicleMoment& to) {
+  EgoMotion motion;
+  motion.is_known = true;
+  motion.dt_s = to.time_s - from.time_s;
+  const double turn_rad = to.yaw_rad - from.yaw_rad;
+  const double c = std::cos(to.yaw_rad), s = std::sin(to.yaw_rad);
+  const double dx_m = to.x_m - from.x_m, dy_m = to.y_m - from.y_m;  // in the frame of the poses, then in that of `to`
+  const double forward_m = c * dx_m + s * dy_m, left_m = -s * dx_m + c * dy_m;
+  const double cos_turn = std::cos(turn_rad), sin_turn = std::sin(turn_rad);
+  motion.current_from_previous.rotation = {{{cos_turn, sin_turn, 0}, {-sin_turn, cos_turn, 0}, {0, 0, 1}}};
+  motion.current_from_previous.shift = {-forward_m, -left_m, 0.0};
+  motion.vx_mps = forward_m / motion.dt_s;
+  motion.vy_mps = left_m / motion.dt_s;
+  motion.yaw_rate_rps = turn_rad / motion.dt_s;
+  return motion;
+}
+
+/// Times and motion of a drawn sequence, from its truth.
+void add_moments(const fs::path& folder, Dataset& dataset) {
+  std::optional<VehicleMoment> before;
+  for (const auto& pair : dataset.pairs) {
+    const fs::path file = folder / "truth" / (stem_of(pair.left) + ".json");
+    const auto moment = read_scene_truth(file).moment;
+    if (!moment) throw InputError(file.string(), "time_s", "found none, expected one in each file of a sequence");
+    if (before && moment->time_s <= before->time_s)
+      throw InputError(file.string(), "time_s", "is not after that of the pair before");
+    dataset.times_s.push_back(moment->time_s);
+    dataset.true_ego.push_back(before ? motion_between(*before, *moment) : EgoMotion{});
+    before = moment;
+  }
+  dataset.is_sequence = true;
+}
+
 Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
   refuse_cameras(folder, request);
   Dataset dataset{.kind = TruthKind::scenes};
@@ -197,6 +232,7 @@ Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
     throw InputError((folder / "truth").string(), "",
                      fmt::format("found {} JSON files, expected {}, one a pair", truths, dataset.pairs.size()));
   const StereoCamera camera = shared_camera(folder, request, dataset);
+  if (fs::exists(folder / "times.txt")) add_moments(folder, dataset);
   dataset.load = [folder, camera, pairs = dataset.pairs](std::size_t i) {
     TruthFrame frame{load_images(pairs[i], camera), camera,
                      read_scene_truth(folder / "truth" / (stem_of(pairs[i].left) + ".json"))};

@@ -1,11 +1,14 @@
 #include "flies/eval/dataset.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <opencv2/core/mat.hpp>
 #include <string>
+#include <vector>
 
 #include "flies/core/random.hpp"
 #include "flies/io/output_file.hpp"
@@ -97,6 +100,46 @@ TEST(OpenDataset, TakesTheMountFromTheRoadOnRequest) {
   const CameraMount mount = dataset.load(0).camera.mount;
   EXPECT_NEAR(mount.height_m, 1.2, 0.04);
   EXPECT_NEAR(mount.pitch_rad, radians(8), radians(0.5));
+}
+
+std::string truth_at(double time_s, double x_m, double yaw_rad) {
+  return fmt::format(R"({{"time_s": {}, "pose": {{"x_m": {}, "y_m": 0, "yaw_rad": {}}}, "objects": [{{"id": 7, )"
+                     R"("class": "car", "x_m": 12, "y_m": 1, "length_m": 4, "width_m": 2, "height_m": 1.5}}]}})",
+                     time_s, x_m, yaw_rad);
+}
+
+TEST(OpenDataset, ReadsTimesIdentitiesAndMotionOfADrawnSequence) {
+  const Folder folder;
+  folder.add("calib.yaml", kCalibration);
+  for (const int i : {1, 2}) folder.add_scene(i);
+  folder.add("times.txt", "0\n0.5\n");
+  folder.add("truth/1.json", truth_at(0.0, 0.0, 0.0));
+  folder.add("truth/2.json", truth_at(0.5, 3.0, 0.1));
+  const Dataset dataset = open_dataset(folder.path());
+  EXPECT_TRUE(dataset.is_sequence);
+  EXPECT_EQ(dataset.times_s, (std::vector<double>{0.0, 0.5}));
+  ASSERT_EQ(dataset.true_ego.size(), 2u);
+  EXPECT_FALSE(dataset.true_ego[0].is_known);
+  const EgoMotion& ego = dataset.true_ego[1];
+  EXPECT_NEAR(ego.vx_mps, 6.0 * std::cos(0.1), 1e-9);
+  EXPECT_NEAR(ego.vy_mps, -6.0 * std::sin(0.1), 1e-9);
+  EXPECT_NEAR(ego.yaw_rate_rps, 0.2, 1e-9);
+  // What stood 10 m ahead is 7 m ahead of where we are now, to the right of our new heading.
+  const Point3 seen = ego.current_from_previous({10.0, 0.0, 0.0});
+  EXPECT_NEAR(seen.x_m, 7.0 * std::cos(0.1), 1e-9);
+  EXPECT_NEAR(seen.y_m, -7.0 * std::sin(0.1), 1e-9);
+  EXPECT_EQ(dataset.load(1).truth.objects[0].track, 7);
+}
+
+TEST(OpenDataset, RefusesADrawnSequenceWhoseTimesStand) {
+  const Folder folder;
+  folder.add("calib.yaml", kCalibration);
+  for (const int i : {1, 2}) folder.add_scene(i);
+  folder.add("times.txt", "0\n0.5\n");
+  folder.add("truth/1.json", truth_at(0.5, 0.0, 0.0));
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path()); }), HasSubstr("2.json: time_s: found none"));
+  folder.add("truth/2.json", truth_at(0.5, 3.0, 0.0));
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path()); }), HasSubstr("2.json: time_s: is not after"));
 }
 
 TEST(OpenDataset, AsksForATruthAPair) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <nlohmann/json.hpp>
 
@@ -31,6 +32,14 @@ double number_or(double otherwise, const nlohmann::json& object, const char* key
 
 int occlusion_level(double hidden) { return hidden < kPartlyHidden ? 0 : hidden < kLargelyHidden ? 1 : 2; }
 
+std::optional<VehicleMoment> moment_of(const nlohmann::json& scene, const std::string& source) {
+  if (!scene.contains("time_s") || !scene.contains("pose")) return std::nullopt;
+  const auto& pose = scene["pose"];
+  if (!pose.is_object()) throw InputError(source, "pose", "is no object, expected x_m, y_m and yaw_rad");
+  return VehicleMoment{number(scene, "time_s", source, "scene"), number(pose, "x_m", source, "pose"),
+                       number(pose, "y_m", source, "pose"), number(pose, "yaw_rad", source, "pose")};
+}
+
 }  // namespace
 
 FrameTruth parse_scene_truth(std::string_view text, const std::string& source) {
@@ -40,6 +49,7 @@ FrameTruth parse_scene_truth(std::string_view text, const std::string& source) {
     throw InputError(source, "objects", "found none, expected a list");
   }
   FrameTruth truth;
+  truth.moment = moment_of(scene, source);
   for (const auto& entry : scene["objects"]) {
     const std::string where = fmt::format("objects[{}]", truth.objects.size());
     if (!entry.is_object() || !entry.contains("class") || !entry["class"].is_string()) {
@@ -55,7 +65,7 @@ FrameTruth parse_scene_truth(std::string_view text, const std::string& source) {
     if (!object.type.empty()) {
       object.type[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(object.type[0])));
     }
-    object.track = static_cast<int>(truth.objects.size());
+    object.track = static_cast<int>(std::clamp(value_or("id", static_cast<double>(truth.objects.size())), 0.0, 1e9));
     object.footprint = {value("x_m"), value("y_m"), value_or("yaw_rad", 0.0), value("length_m"), value("width_m")};
     object.bottom_z_m = value_or("z_m", 0.0);
     object.height_m = value("height_m");

@@ -33,7 +33,8 @@ SequenceResult evaluate_sequence(const Dataset& dataset, std::size_t first, std:
                                  std::shared_ptr<const PeopleClassifier> classifier, const EvaluationOptions& options,
                                  const std::function<void(std::size_t)>& progress) {
   if (!is_followable(dataset))
-    throw InputError("truth", "times and motions of the pairs", "not known, expected a KITTI drive with oxts");
+    throw InputError("truth", "times and motions of the pairs",
+                     "not known, expected a KITTI drive with oxts or a drawn sequence");
   SequenceResult result;
   std::optional<Tracker> tracker;
   std::optional<Detector> single;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,6 +32,12 @@ struct LidarPoint {
   double above_road_m = 0.0;  ///< over the locally fitted road
 };
 
+/// When a pair was taken, and where the vehicle frame was then, in that of another time.
+struct VehicleMoment {
+  double time_s = 0.0;
+  double x_m = 0.0, y_m = 0.0, yaw_rad = 0.0;
+};
+
 /// What is known about one pair.
 struct FrameTruth {
   int frame = 0;
@@ -38,7 +45,8 @@ struct FrameTruth {
   std::vector<LabelledObject> objects;
   std::vector<LidarPoint> lidar;     ///< empty when there was none
   std::vector<LidarPoint> map = {};  ///< points of a disparity map, see disparity_map.hpp; empty when there was none
-  std::vector<ImageBox> ignored_regions;  ///< of the left image, where people may stand that nobody labelled
+  std::vector<ImageBox> ignored_regions;     ///< of the left image, where people may stand that nobody labelled
+  std::optional<VehicleMoment> moment = {};  ///< of a pair of a drawn sequence
 };
 
 /// A point of the left camera's frame (x right, y down, z forward along the optical axis, > 0) in the vehicle frame.

@@ -54,6 +54,10 @@ Mesh placed(Mesh mesh, const Placement& placement) {
   return mesh;
 }
 
+Vec3 placed_direction(const Vec3& direction, const Placement& placement) {
+  return turned(direction, std::cos(placement.yaw_rad), std::sin(placement.yaw_rad));
+}
+
 Mesh quad(const Vec3& corner, const Vec3& edge_u, const Vec3& edge_v, const Material& material) {
   Mesh mesh;
   mesh.positions = {corner, corner + edge_u, corner + edge_u + edge_v, corner + edge_v};

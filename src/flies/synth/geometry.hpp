@@ -38,6 +38,8 @@ struct Placement {
 };
 /// The mesh at its place; texture coordinates stay as they are.
 Mesh placed(Mesh mesh, const Placement& placement);
+/// A direction turned as the placement turns.
+Vec3 placed_direction(const Vec3& direction, const Placement& placement);
 
 /// Axis-aligned box with flat faces.
 Mesh box(const Vec3& low, const Vec3& high, const Material& material);

@@ -138,6 +138,8 @@ std::vector<TruthObject> measure_objects(const RayScene& rays, const StereoCamer
     t.length_m = object.length_m;
     t.width_m = object.width_m;
     t.height_m = object.height_m;
+    t.vx_mps = object.vx_mps;
+    t.vy_mps = object.vy_mps;
     t.near_range_m = footprint_range_m(object);
     t.whole_box = extent->box();
     t.box = cut.box();

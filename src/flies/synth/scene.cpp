@@ -8,8 +8,6 @@
 #include "flies/synth/street_parts.hpp"
 
 namespace flies {
-namespace {
-
 using synth::Vec3;
 
 Lighting lighting_of(const SceneOptions& options) {
@@ -19,8 +17,6 @@ Lighting lighting_of(const SceneOptions& options) {
           static_cast<float>(options.sun_strength),
           static_cast<float>(options.ambient)};
 }
-
-}  // namespace
 
 StereoCamera synthetic_camera(const SceneOptions& options) {
   check_options(options, "scene options");

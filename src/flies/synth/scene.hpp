@@ -11,9 +11,9 @@
 namespace flies {
 
 /// What a synthetic object is. Ground and backdrop are scenery: they are seen but are no obstacles.
-enum class ObjectClass { ground, backdrop, wall, hedge, car, pole, tree, pedestrian };
-inline constexpr std::array<std::string_view, 8> kObjectClassNames = {"ground", "backdrop", "wall", "hedge",
-                                                                      "car",    "pole",     "tree", "pedestrian"};
+enum class ObjectClass { ground, backdrop, wall, hedge, car, pole, tree, pedestrian, cyclist };
+inline constexpr std::array<std::string_view, 9> kObjectClassNames = {
+    "ground", "backdrop", "wall", "hedge", "car", "pole", "tree", "pedestrian", "cyclist"};
 constexpr bool is_obstacle(ObjectClass kind) { return kind != ObjectClass::ground && kind != ObjectClass::backdrop; }
 
 /// One object in its place. The footprint is the rectangle of its body on the ground.
@@ -27,6 +27,8 @@ struct SceneObject {
   double length_m = 0.0;
   double width_m = 0.0;
   double height_m = 0.0;
+  double vx_mps = 0.0;  ///< over ground, vehicle frame
+  double vy_mps = 0.0;
 };
 
 struct Lighting {
@@ -34,6 +36,9 @@ struct Lighting {
   float sun = 1.0F;             ///< light on a surface square to the sun
   float ambient = 0.5F;         ///< light of the whole sky on the ground
 };
+
+/// Sun and sky of the options.
+Lighting lighting_of(const SceneOptions& options);
 
 struct SyntheticScene {
   std::vector<SceneObject> objects;

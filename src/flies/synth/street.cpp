@@ -16,9 +16,7 @@ constexpr float kPi = std::numbers::pi_v<float>;
 // parking lane, pavement, house. The camera drives in the middle of its lane, y = 0.
 constexpr float kStart_m = -10.0F, kEnd_m = 130.0F;
 constexpr float kCentreLine_m = 1.65F, kOurEdge_m = -1.65F, kOncomingEdge_m = 4.95F;
-constexpr float kKerbRight_m = -3.8F, kKerbLeft_m = 7.1F;
 constexpr float kHousesRight_m = -7.2F, kHousesLeft_m = 10.6F;
-constexpr float kKerbHeight_m = 0.15F;
 constexpr float kParkedRight_m = -2.75F, kParkedLeft_m = 6.05F;
 
 float between(FlyRandom& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
@@ -150,14 +148,16 @@ struct Taken {
   }
 };
 
-std::vector<SceneObject> cars(const SceneOptions& options, float zebra_x_m, Taken& taken) {
+enum class Lanes { all, parking };
+
+std::vector<SceneObject> cars(const SceneOptions& options, Lanes lanes, float zebra_x_m, Taken& taken) {
   std::vector<SceneObject> objects;
   const auto contrast = static_cast<float>(options.texture_contrast);
   for (std::uint32_t i = 0; static_cast<int>(i) < options.cars; ++i) {
     FlyRandom random(options.seed, kCarsPurpose, 0, i);
     const Mesh mesh = car(random, contrast);
     for (int attempt = 0; attempt < 40; ++attempt) {
-      const double lane = random.uniform();
+      const double lane = lanes == Lanes::all ? random.uniform() : 0.75 * random.uniform();
       Placement place;
       if (lane < 0.45) {
         place = {{between(random, 7.0, 60.0), kParkedRight_m + between(random, -0.1, 0.1), 0},
@@ -287,10 +287,35 @@ std::vector<SceneObject> street(const SceneOptions& options) {
     for (auto& object : more) objects.push_back(std::move(object));
   };
   add(houses(options));
-  add(cars(options, zebra_x_m, taken));
+  add(cars(options, Lanes::all, zebra_x_m, taken));
   add(poles(options, taken));
   add(trees(options, taken));
   add(people(options, zebra_x_m, taken));
+  return objects;
+}
+
+std::vector<SceneObject> standing_street(const SceneOptions& options, float crossing_x_m) {
+  constexpr float kBehindCar_m = 3.2F;  // from the middle of the parked car to who steps out behind it
+  SceneOptions street_options = options;
+  street_options.kind = SceneKind::street;
+  std::vector<SceneObject> objects;
+  objects.push_back(scenery(street_ground(street_options, 0.0F)));
+  objects.push_back(street_end(street_options));
+  Taken taken;
+  FlyRandom random(options.seed, kMoversPurpose, 2, 0);
+  const float hiding_x_m = crossing_x_m - kBehindCar_m;
+  objects.push_back(stand(ObjectClass::car, car(random, static_cast<float>(options.texture_contrast)),
+                          {{hiding_x_m, kParkedRight_m, 0}, 0.0F}));
+  taken.take_car(hiding_x_m, kParkedRight_m);
+  for (float y = kKerbRight_m - 1.0F; y < kKerbLeft_m + 1.0F; y += 0.5F)
+    taken.circles.push_back({crossing_x_m, y, 0.5F});
+  const auto add = [&](std::vector<SceneObject> more) {
+    for (auto& object : more) objects.push_back(std::move(object));
+  };
+  add(houses(street_options));
+  add(cars(street_options, Lanes::parking, 0.0F, taken));
+  add(poles(street_options, taken));
+  add(trees(street_options, taken));
   return objects;
 }
 

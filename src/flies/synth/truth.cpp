@@ -12,6 +12,8 @@ const char* kitti_type(ObjectClass kind) {
   switch (kind) {
     case ObjectClass::pedestrian:
       return "Pedestrian";
+    case ObjectClass::cyclist:
+      return "Cyclist";
     case ObjectClass::car:
       return "Car";
     case ObjectClass::wall:
@@ -68,20 +70,25 @@ std::string kitti_labels(const std::vector<TruthObject>& objects, const StereoCa
   return text;
 }
 
-std::string truth_json(const std::vector<TruthObject>& objects, const StereoCamera& camera, std::uint64_t seed) {
-  std::string text = fmt::format("{{\"seed\": {}, \"width_px\": {}, \"height_px\": {},\n \"objects\": [", seed,
-                                 camera.width_px, camera.height_px);
+std::string truth_json(const std::vector<TruthObject>& objects, const StereoCamera& camera, std::uint64_t seed,
+                       const std::optional<TruthMoment>& moment) {
+  std::string text =
+      fmt::format("{{\"seed\": {}, \"width_px\": {}, \"height_px\": {},\n", seed, camera.width_px, camera.height_px);
+  if (moment)
+    text += fmt::format(" \"time_s\": {:.6f}, \"pose\": {{\"x_m\": {:.5f}, \"y_m\": {:.5f}, \"yaw_rad\": {:.6f}}},\n",
+                        moment->time_s, moment->pose.x_m, moment->pose.y_m, moment->pose.yaw_rad);
+  text += " \"objects\": [";
   const char* separator = "\n";
   for (const auto& o : objects) {
     text += separator;
     separator = ",\n";
     text += fmt::format(
-        R"(  {{"class": "{}", "x_m": {:.4f}, "y_m": {:.4f}, "z_m": {:.4f}, "yaw_rad": {:.4f}, "length_m": {:.4f}, )"
-        R"("width_m": {:.4f}, "height_m": {:.4f}, "range_m": {:.4f}, "near_range_m": {:.4f}, "box": {}, )"
+        R"(  {{"id": {}, "class": "{}", "x_m": {:.4f}, "y_m": {:.4f}, "z_m": {:.4f}, "yaw_rad": {:.4f}, "length_m": {:.4f}, )"
+        R"("width_m": {:.4f}, "height_m": {:.4f}, "vx_mps": {:.4f}, "vy_mps": {:.4f}, "range_m": {:.4f}, "near_range_m": {:.4f}, "box": {}, )"
         R"("whole_box": {}, "truncation": {:.4f}, "occlusion": {:.4f}, "visible_px": {}}})",
-        kObjectClassNames[static_cast<std::size_t>(o.kind)], o.x_m, o.y_m, o.z_m, o.yaw_rad, o.length_m, o.width_m,
-        o.height_m, std::hypot(o.x_m, o.y_m), o.near_range_m, json_box(o.box), json_box(o.whole_box), o.truncation,
-        o.occlusion, o.visible_px);
+        o.scene_index, kObjectClassNames[static_cast<std::size_t>(o.kind)], o.x_m, o.y_m, o.z_m, o.yaw_rad, o.length_m,
+        o.width_m, o.height_m, o.vx_mps, o.vy_mps, std::hypot(o.x_m, o.y_m), o.near_range_m, json_box(o.box),
+        json_box(o.whole_box), o.truncation, o.occlusion, o.visible_px);
   }
   return text + "\n ]}\n";
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,7 @@ struct PixelTruth {
 /// An obstacle of the scene that the left camera has in its field of view.
 struct TruthObject {
   ObjectClass kind = ObjectClass::pedestrian;
-  std::size_t scene_index = 0;  ///< into the scene's objects and of `PixelTruth::object`
+  std::size_t scene_index = 0;  ///< into the scene's objects and of `PixelTruth::object`; its "id" in JSON
   double x_m = 0.0;             ///< centre of the footprint, vehicle frame
   double y_m = 0.0;
   double z_m = 0.0;  ///< of its lowest point
@@ -32,6 +33,8 @@ struct TruthObject {
   double length_m = 0.0;  ///< along the yaw
   double width_m = 0.0;
   double height_m = 0.0;
+  double vx_mps = 0.0;  ///< over ground, vehicle frame
+  double vy_mps = 0.0;
   double near_range_m = 0.0;   ///< horizontal distance from the camera to the nearest point of the footprint
   ImageBox whole_box;          ///< around the whole object, as if nothing hid it and the image had no border
   ImageBox box;                ///< the same cut at the border of the image
@@ -47,7 +50,21 @@ struct TruthObject {
 /// else 2.
 std::string kitti_labels(const std::vector<TruthObject>& objects, const StereoCamera& camera);
 
+/// Where the vehicle frame stands on the ground, in its own frame of an earlier time.
+struct VehiclePose {
+  double x_m = 0.0, y_m = 0.0;
+  double yaw_rad = 0.0;  ///< positive to the left
+};
+
+/// When a pair of a sequence was taken, and from where.
+struct TruthMoment {
+  double time_s = 0.0;
+  VehiclePose pose;  ///< in the vehicle frame of the first pair
+};
+
 /// The objects and the options' seed as a JSON object; every number has its unit in its key.
-std::string truth_json(const std::vector<TruthObject>& objects, const StereoCamera& camera, std::uint64_t seed);
+/// @param moment of a pair of a sequence; nothing of a pair that stands alone
+std::string truth_json(const std::vector<TruthObject>& objects, const StereoCamera& camera, std::uint64_t seed,
+                       const std::optional<TruthMoment>& moment = std::nullopt);
 
 }  // namespace flies
