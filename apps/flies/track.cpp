@@ -34,7 +34,7 @@ namespace {
 struct TrackArguments {
   SequenceRequest sequence;
   CameraArguments camera;
-  SelfRectify self_rectify = SelfRectify::automatic;
+  RunCorrections corrections;
   std::string model;
   MethodArguments method;
   std::vector<std::pair<std::string, std::string>> following;  ///< options of ego and track: dotted name and text
@@ -134,7 +134,7 @@ void run_track(TrackArguments arguments) {
       calibration = flies::load_calibration(
           source.calib, calibration_request(arguments.camera, left_path, right_path, images.view()));
     if (calibration->rectifier) images = calibration->rectifier->rectify(images);
-    if (i == 0) run = diagnose(source.pairs, *calibration, arguments.self_rectify);
+    if (i == 0) run = diagnose(source.pairs, *calibration, arguments.corrections);
     run.correct(images);
     const flies::RectifiedPair pair = images.view();
     flies::check_camera_fits(calibration->camera, pair.left.width_px, pair.left.height_px,
@@ -187,7 +187,7 @@ void setup_track(CLI::App& app) {
       ->type_name("FILE");
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 2,3; of a drive else 0,1 when there, else 2,3");
   add_mount_options(*command, arguments->camera);
-  add_self_rectify_option(*command, arguments->self_rectify);
+  add_correction_options(*command, arguments->corrections);
   add_method_options(*command, arguments->method);
   for (const auto& listing : flies::list_options(flies::TrackerOptions{}))
     command
