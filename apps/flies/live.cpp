@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "channel_sinks.hpp"
 #include "commands.hpp"
 #include "end_on_signal.hpp"
 #include "flies/core/error.hpp"
@@ -39,9 +40,13 @@ struct LiveArguments {
   std::string json;
   std::optional<int> view_port;  ///< of the page; none: no page
   std::string view_address = "127.0.0.1";
+  std::optional<int> foxglove_port;  ///< none: no server
+  std::string foxglove_address = "127.0.0.1";
+  std::string record;
 };
 
 constexpr int kViewPort = 8090;
+constexpr int kFoxglovePort = 8765;  // where Foxglove looks first
 
 int port_number(const std::string& text, const std::string& option) {
   constexpr int kMost = 65535;
@@ -126,6 +131,13 @@ void run_live(LiveArguments arguments) {
     sinks.push_back(&view.emplace(flies::WebServerRequest{arguments.view_address, *arguments.view_port}));
     std::fprintf(stderr, "flies: page at %s\n", view->address().c_str());
   }
+  std::optional<FoxgloveSink> foxglove;
+  if (arguments.foxglove_port) {
+    sinks.push_back(&foxglove.emplace(arguments.foxglove_address, *arguments.foxglove_port));
+    std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", arguments.foxglove_address.c_str(), foxglove->port());
+  }
+  std::optional<RecordSink> record;
+  if (!arguments.record.empty()) sinks.push_back(&record.emplace(arguments.record));
   if (sinks.empty()) sinks.push_back(&table.emplace());
   sinks.push_back(&status);
 
@@ -133,6 +145,7 @@ void run_live(LiveArguments arguments) {
   ask_before_ending_on_signals();
   const Steered steered(view ? &*view : nullptr, run);
   run.run();
+  if (record) record->close();
   status.finish(run.source_counts());
 }
 
@@ -229,6 +242,26 @@ void setup_live(CLI::App& app) {
       ->add_option("--view-address", arguments->view_address,
                    "address to show the page at; where other machines reach it, it asks for a token; default 127.0.0.1")
       ->type_name("ADDRESS")
+      ->group("Output");
+  command
+      ->add_option_function<std::string>(
+          "--foxglove",
+          [arguments](const std::string& text) {
+            arguments->foxglove_port = text.empty() ? kFoxglovePort : port_number(text, "--foxglove");
+          },
+          fmt::format("serve Foxglove and Lichtblick by their WebSocket protocol; default port {}", kFoxglovePort))
+      ->expected(0, 1)
+      ->type_name("[PORT]")
+      ->group("Output");
+  command
+      ->add_option("--foxglove-address", arguments->foxglove_address,
+                   "IP address to serve them at; whoever reaches it sees everything; default 127.0.0.1")
+      ->type_name("ADDRESS")
+      ->group("Output");
+  command
+      ->add_option("--record", arguments->record,
+                   "a recording (MCAP) of pictures and results, for them and for flies track")
+      ->type_name("FILE")
       ->group("Output");
   command->footer(
       "\nPairs that are overtaken by newer ones before their turn are dropped and counted. A camera that goes away,\n"

@@ -1,0 +1,153 @@
+#include "flies/record/mcap_reader.hpp"
+
+#include <fmt/format.h>
+#include <zstd.h>
+
+#include <filesystem>
+
+#include "flies/core/error.hpp"
+#include "flies/io/zip_archive.hpp"
+#include "flies/record/mcap_records.hpp"
+
+namespace flies {
+namespace {
+
+using namespace mcap;
+
+constexpr std::uint64_t kLargestChunk = 1ULL << 30;
+
+/// Takes numbers and texts from bytes; what is not there is 0 and empty, and then `is_good` is false.
+class Taker {
+ public:
+  explicit Taker(std::string_view bytes) : bytes_(bytes) {}
+  std::uint64_t number(int size) {
+    const std::string_view own = take(static_cast<std::size_t>(size));
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < own.size(); ++i) value |= std::uint64_t{static_cast<unsigned char>(own[i])} << (8 * i);
+    return value;
+  }
+  std::string text() { return std::string(take(number(4))); }
+  std::string_view rest() { return take(bytes_.size()); }
+  std::string_view take(std::uint64_t size) {
+    if (size > bytes_.size()) {
+      is_good = false;
+      size = 0;
+    }
+    const std::string_view own = bytes_.substr(0, size);
+    bytes_.remove_prefix(size);
+    return own;
+  }
+  std::size_t left() const { return bytes_.size(); }
+  bool is_good = true;
+
+ private:
+  std::string_view bytes_;
+};
+
+}  // namespace
+
+void McapReader::complain(const std::string& what) const { throw InputError(path_, "", what); }
+
+McapReader::McapReader(const std::string& path) : path_(path), file_(path, std::ios::binary) {
+  std::error_code error;
+  left_ = std::filesystem::file_size(path, error);
+  if (!file_ || error) complain("cannot be read");
+  std::string magic(kMagic.size(), '\0');
+  if (!file_.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
+    complain("is no MCAP recording");
+  left_ -= magic.size();
+}
+
+std::string McapReader::unpacked(const std::string& chunk) const {
+  Taker taker(chunk);
+  taker.take(16);  // times
+  const std::uint64_t size = taker.number(8);
+  const auto checksum = static_cast<std::uint32_t>(taker.number(4));
+  const std::string compression = taker.text();
+  const std::string_view records = taker.take(taker.number(8));
+  if (!taker.is_good || size > kLargestChunk) complain("a chunk is damaged");
+  std::string result;
+  if (compression.empty()) {
+    result = records;
+  } else if (compression == "zstd") {
+    result.resize(size);
+    const std::size_t written = ZSTD_decompress(result.data(), result.size(), records.data(), records.size());
+    if (ZSTD_isError(written) != 0U || written != size) complain("a chunk is damaged");
+  } else {
+    complain(fmt::format("chunks are compressed with '{}', expected zstd or nothing", compression));
+  }
+  if (checksum != 0 && crc32(result) != checksum) complain("a chunk is damaged: its checksum is another");
+  return result;
+}
+
+/// What a record says; a message when it is one.
+std::optional<McapMessage> McapReader::take(std::uint8_t opcode, const std::string& content) {
+  Taker taker(content);
+  switch (static_cast<Opcode>(opcode)) {
+    case Opcode::schema: {
+      const auto id = static_cast<std::uint16_t>(taker.number(2));
+      schemas_[id] = taker.text();
+      break;
+    }
+    case Opcode::channel: {
+      const auto id = static_cast<std::uint16_t>(taker.number(2));
+      const auto schema = static_cast<std::uint16_t>(taker.number(2));
+      Channel channel;
+      channel.topic = taker.text();
+      channel.encoding = taker.text();
+      if (const auto found = schemas_.find(schema); found != schemas_.end()) channel.schema_name = found->second;
+      channels_[id] = std::move(channel);
+      break;
+    }
+    case Opcode::message: {
+      const auto found = channels_.find(static_cast<std::uint16_t>(taker.number(2)));
+      taker.number(4);
+      const std::uint64_t time_ns = taker.number(8);
+      taker.number(8);
+      if (!taker.is_good || found == channels_.end()) complain("a message is damaged or of no channel");
+      const auto& channel = found->second;
+      return McapMessage{channel.topic, channel.schema_name, channel.encoding, time_ns, std::string(taker.rest())};
+    }
+    case Opcode::chunk:
+      chunk_ = unpacked(content);
+      chunk_position_ = 0;
+      break;
+    case Opcode::data_end:
+      is_whole_ = has_ended_ = true;
+      break;
+    default:
+      break;
+  }
+  return std::nullopt;
+}
+
+std::optional<McapMessage> McapReader::next() {
+  while (!has_ended_) {
+    if (chunk_position_ < chunk_.size()) {
+      Taker taker(std::string_view(chunk_).substr(chunk_position_));
+      const auto opcode = static_cast<std::uint8_t>(taker.number(1));
+      const std::uint64_t length = taker.number(8);
+      const std::string content(taker.take(length));
+      if (!taker.is_good) complain("a chunk is damaged");
+      chunk_position_ += kRecordHead + length;
+      if (static_cast<Opcode>(opcode) == Opcode::chunk) complain("a chunk holds another");
+      if (auto message = take(opcode, content)) return message;
+      continue;
+    }
+    std::string head(kRecordHead, '\0');
+    if (left_ < kRecordHead || !file_.read(head.data(), kRecordHead)) break;
+    left_ -= kRecordHead;
+    Taker taker(head);
+    const auto opcode = static_cast<std::uint8_t>(taker.number(1));
+    const std::uint64_t length = taker.number(8);
+    if (length > left_) break;  // its writer was killed, or it is damaged
+    std::string content(length, '\0');
+    if (!file_.read(content.data(), static_cast<std::streamsize>(length))) break;
+    left_ -= length;
+    if (auto message = take(opcode, content)) return message;
+  }
+  has_ended_ = true;
+  return std::nullopt;
+}
+
+}  // namespace flies
