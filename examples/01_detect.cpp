@@ -10,6 +10,7 @@
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
 #include "flies/pipeline/detector.hpp"
+#include "flies/road/find_mount.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 4) {
@@ -23,12 +24,16 @@ int main(int argc, char** argv) {
     request.cameras = flies::kitti_cameras_from_paths(argv[1], argv[2]);
     request.width_px = images.left.width_px;
     request.height_px = images.left.height_px;
-    const flies::Calibration calibration = flies::load_calibration(argv[3], request);
+    flies::Calibration calibration = flies::load_calibration(argv[3], request);
     if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+
+    // Few calibrations say how high a camera stands and how far it looks down. The road does.
+    const flies::RectifiedPair pair = images.view();
+    calibration.camera.mount = flies::find_mount({&pair, 1}, calibration.camera).mount;
 
     // The detector belongs to a camera. It may be kept for a whole sequence: one `process` per pair.
     flies::Detector detector(calibration.camera);
-    const flies::Detection detection = detector.process(images.view());
+    const flies::Detection detection = detector.process(pair);
 
     // Positions are metres in the vehicle frame: x forward, y left, origin on the road below the left camera.
     for (const auto& obstacle : detection.obstacles) {

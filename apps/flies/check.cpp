@@ -42,7 +42,7 @@ Checked check(const CheckArguments& arguments) {
   if (checked.calibration.rectifier) images = checked.calibration.rectifier->rectify(images);
   const flies::RectifiedPair pair = images.view();
   flies::check_camera_fits(checked.calibration.camera, pair.left.width_px, pair.left.height_px, arguments.calib);
-  checked.run = diagnose(checked.pairs, checked.calibration, SelfRectify::off);
+  checked.run = diagnose(checked.pairs, checked.calibration, {.self_rectify = SelfRectify::off});
   if (!arguments.picture.empty()) {
     const auto corners = flies::match_corners(pair);
     flies::write_png(arguments.picture, flies::draw_rows(pair, corners, checked.run.diagnosis.rows));
@@ -66,7 +66,11 @@ std::string table(const Checked& checked) {
                                  d.rows->offset_px, d.rows->at(0.0), d.rows->at(2.0 * d.rows->middle_u_px),
                                  d.rows->corners, d.rows->scatter_px)
                    : "too few corners to tell");
-  line("road", d.road_found ? "found where the mount of the camera says" : "not found");
+  line("road", d.road_found ? "found" : "not found");
+  const auto& mount = checked.run.mount.mount;
+  line("camera", fmt::format("{:.2f} m above the road, {:.1f} degrees down, {:.1f} to the right: {}", mount.height_m,
+                             flies::degrees(mount.pitch_rad), flies::degrees(mount.roll_rad),
+                             checked.run.mount.is_replaced ? "found, not as given" : "as given"));
   if (checked.run.notes.empty()) return text + "looks right\n";
   text += "to check:\n";
   for (const auto& note : checked.run.notes) text += "  - " + note + "\n";
@@ -85,6 +89,10 @@ std::string json(const Checked& checked) {
                                    {"row_roll_rad", nullptr},
                                    {"row_scatter_px", nullptr},
                                    {"road_found", d.road_found},
+                                   {"camera_height_m", checked.run.mount.mount.height_m},
+                                   {"camera_pitch_rad", checked.run.mount.mount.pitch_rad},
+                                   {"camera_roll_rad", checked.run.mount.mount.roll_rad},
+                                   {"mount_source", checked.run.mount.is_replaced ? "road" : "given"},
                                    {"looks_right", checked.run.notes.empty()},
                                    {"notes", checked.run.notes}};
   if (d.rows) {
@@ -127,8 +135,8 @@ void setup_check(CLI::App& app) {
   command->footer(
       "\nLooks at how much of the images can be matched at all, how much of the left one is found on the same\n"
       "row of the right one, whether anything would lie beyond infinity, by how much the rows lie apart, and\n"
-      "whether the road is where the mount of the camera says; says what to do about what is not as it\n"
-      "should be.\n"
+      "whether the road is where the mount of the camera says, and if not, where it is; says what to do about\n"
+      "what is not as it should be.\n"
       "\nExamples:\n"
       "  flies check left.png right.png --calib calib.yaml --picture rows.png\n"
       "  flies check image_00/data image_01/data --calib calib_cam_to_cam.txt --json\n"

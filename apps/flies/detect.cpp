@@ -33,7 +33,7 @@ struct DetectArguments {
   std::string calib, right_calib;
   CameraArguments camera;
   std::string model;
-  SelfRectify self_rectify = SelfRectify::automatic;
+  RunCorrections corrections;
   MethodArguments method;
   DetectOutputs outputs;
 };
@@ -105,8 +105,8 @@ void run_detect(const DetectArguments& arguments) {
                            arguments.calib);
   calibration.camera.width_px = images.view().left.width_px;
   calibration.camera.height_px = images.view().left.height_px;
+  const RunDiagnosis run = diagnose(pairs, calibration, arguments.corrections);
   flies::Detector detector(calibration.camera, options, classifier);
-  const RunDiagnosis run = diagnose(pairs, calibration, arguments.self_rectify);
   constexpr auto kLines = flies::OutputFile::Kind::lines;
   std::optional<flies::OutputFile> json, csv, scan;
   if (!arguments.outputs.json.empty()) json.emplace(arguments.outputs.json, kLines);
@@ -184,7 +184,7 @@ void add_input_options(CLI::App& command, DetectArguments& arguments) {
   add_cameras_option(command, arguments.camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
   add_calibrated_size_option(command, arguments.camera);
   add_mount_options(command, arguments.camera);
-  add_self_rectify_option(command, arguments.self_rectify);
+  add_correction_options(command, arguments.corrections);
 }
 
 void add_output_options(CLI::App& command, DetectOutputs& outputs) {

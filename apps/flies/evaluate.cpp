@@ -25,6 +25,7 @@
 #include "method_arguments.hpp"
 #include "notes.hpp"
 #include "progress_bar.hpp"
+#include "run_diagnosis.hpp"
 #include "standard_output.hpp"
 
 namespace {
@@ -35,6 +36,7 @@ struct EvaluateArguments {
   std::string folder;
   std::string calib;
   CameraArguments camera;
+  bool find_mount = true;
   int start = 0, step = 1;
   std::optional<int> end;
   std::vector<std::string> detections;
@@ -52,6 +54,7 @@ flies::DatasetRequest dataset_request(const EvaluateArguments& arguments) {
   flies::DatasetRequest request;
   request.calib = arguments.calib;
   fill_in(request, arguments.camera);
+  request.find_mount = arguments.find_mount;
   return request;
 }
 
@@ -204,6 +207,7 @@ void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
   add_cameras_option(command, arguments.camera, "of a KITTI drive, e.g. 2,3; else 0,1 when there, else 2,3");
   command.add_option("--calib", arguments.calib, "calibration, where the folder holds none")->type_name("FILE");
   add_mount_options(command, arguments.camera);
+  add_mount_option(command, arguments.find_mount);
   command
       .add_option("--unlabelled", arguments.unlabelled,
                   "people who are real but not labelled, to be ignored: name,left,top,width,height a line")

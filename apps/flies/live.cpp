@@ -29,7 +29,7 @@ struct LiveArguments {
   std::vector<std::string> sources;
   std::string calib;
   CameraArguments camera;
-  SelfRectify self_rectify = SelfRectify::automatic;
+  RunCorrections corrections;
   std::string model;
   MethodArguments method;
   std::vector<std::pair<std::string, std::string>> following;
@@ -89,7 +89,7 @@ LiveRequest live_request(LiveArguments& arguments) {
   request.stream.max_skew_s = 1e-3 * arguments.max_skew_ms;
   request.calib = arguments.calib;
   request.camera = arguments.camera;
-  request.self_rectify = arguments.self_rectify;
+  request.corrections = arguments.corrections;
   request.options = effective_options(arguments.method);
   for (const auto& [path, text] : arguments.following) flies::set_option(request.following, path, text, "command line");
   request.classifier = classifier_for(arguments.method.preset, arguments.model);
@@ -217,7 +217,7 @@ void setup_live(CLI::App& app) {
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 2,3; of a drive else 0,1 when there, else 2,3");
   add_calibrated_size_option(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
-  add_self_rectify_option(*command, arguments->self_rectify);
+  add_correction_options(*command, arguments->corrections);
   add_method_options(*command, arguments->method);
   add_following_options(*command, *arguments);
   command

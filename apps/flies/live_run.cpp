@@ -106,7 +106,7 @@ bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
   std::vector<flies::GrayPair> sample;
   for (const auto& one : first)
     sample.push_back(calibration_->rectifier ? calibration_->rectifier->rectify(one.images) : one.images);
-  diagnosis_ = diagnose_sample(std::move(sample), *calibration_, request_.self_rectify);
+  diagnosis_ = diagnose_sample(std::move(sample), *calibration_, request_.corrections);
   for (const auto& note : diagnosis_.notes) say(note);
   const std::lock_guard lock(mutex_);
   engine_ = std::make_shared<flies::Engine>(calibration_->camera, options_, following_, request_.classifier);

@@ -22,7 +22,7 @@ struct LiveRequest {
   flies::PairStreamRequest stream;
   std::string calib;
   CameraArguments camera;
-  SelfRectify self_rectify = SelfRectify::automatic;
+  RunCorrections corrections;
   flies::DetectorOptions options;
   flies::TrackerOptions following;
   std::shared_ptr<const flies::PeopleClassifier> classifier;

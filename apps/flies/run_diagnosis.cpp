@@ -19,24 +19,62 @@ bool is_to_be_corrected(const std::optional<flies::RowError>& rows, SelfRectify 
   return rows->typical_px() >= flies::kRowErrorMatters_px && flies::can_be_made_up_for(*rows);
 }
 
-}  // namespace
-
-void add_self_rectify_option(CLI::App& command, SelfRectify& mode) {
-  static const std::map<std::string, SelfRectify> kModes = {
-      {"auto", SelfRectify::automatic}, {"on", SelfRectify::on}, {"off", SelfRectify::off}};
+/// An option whose values have names.
+template <class Value>
+void add_named_option(CLI::App& command, const std::string& option, Value& value, std::map<std::string, Value> names,
+                      const std::string& expected, const std::string& meaning) {
   command
       .add_option_function<std::string>(
-          "--self-rectify",
-          [&mode](const std::string& name) {
-            const auto found = kModes.find(name);
-            if (found == kModes.end())
-              throw flies::InputError("command line", "--self-rectify",
-                                      fmt::format("found '{}', expected auto, on or off", name));
-            mode = found->second;
+          option,
+          [&value, option, names = std::move(names), expected](const std::string& name) {
+            const auto found = names.find(name);
+            if (found == names.end())
+              throw flies::InputError("command line", option, fmt::format("found '{}', expected {}", name, expected));
+            value = found->second;
           },
-          fmt::format("make up for rows of left and right that lie apart: auto (from {:g} px), on or off",
-                      flies::kRowErrorMatters_px))
+          meaning)
       ->type_name("MODE");
+}
+
+std::vector<flies::GrayPair> load_sample(const std::vector<flies::PairPaths>& pairs,
+                                         const flies::Calibration& calibration) {
+  std::vector<flies::GrayPair> sample;
+  const std::size_t count = std::min(kPairs, pairs.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto& [left, right] = pairs[count == 1 ? 0 : k * (pairs.size() - 1) / (count - 1)];
+    try {
+      flies::GrayPair images = flies::load_pair(left, right);
+      if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+      const flies::RectifiedPair view = images.view();
+      flies::check_camera_fits(calibration.camera, view.left.width_px, view.left.height_px, left);
+      sample.push_back(std::move(images));
+    } catch (const flies::InputError&) {  // told when its turn comes
+    }
+  }
+  return sample;
+}
+
+flies::MountFinding mount_of(const std::vector<flies::GrayPair>& sample, const flies::StereoCamera& camera) {
+  std::vector<flies::RectifiedPair> views;
+  for (const auto& images : sample) views.push_back(images.view());
+  return flies::find_mount(views, camera);
+}
+
+}  // namespace
+
+void add_mount_option(CLI::App& command, bool& find_mount) {
+  add_named_option<bool>(command, "--mount", find_mount, {{"auto", true}, {"given", false}}, "auto or given",
+                         "auto: height and tilt of the camera are taken from the road where it clearly lies elsewhere "
+                         "than was given; given: as given");
+}
+
+void add_correction_options(CLI::App& command, RunCorrections& corrections) {
+  add_mount_option(command, corrections.find_mount);
+  add_named_option<SelfRectify>(
+      command, "--self-rectify", corrections.self_rectify,
+      {{"auto", SelfRectify::automatic}, {"on", SelfRectify::on}, {"off", SelfRectify::off}}, "auto, on or off",
+      fmt::format("make up for rows of left and right that lie apart: auto (from {:g} px), on or off",
+                  flies::kRowErrorMatters_px));
 }
 
 std::optional<flies::DiagnosisRecord> RunDiagnosis::record() const {
@@ -51,31 +89,21 @@ std::optional<flies::DiagnosisRecord> RunDiagnosis::record() const {
     record.row_roll_rad = diagnosis.rows->slope;
   }
   if (correction) record.corrected_offset_px = correction->offset_px;
+  record.mount = mount.mount;
+  record.mount_is_from_road = mount.is_replaced;
   record.notes = notes;
   return record;
 }
 
-RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::Calibration& calibration,
-                      SelfRectify mode) {
-  std::vector<flies::GrayPair> sample;
-  const std::size_t count = std::min(kPairs, pairs.size());
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto& [left, right] = pairs[count == 1 ? 0 : k * (pairs.size() - 1) / (count - 1)];
-    try {
-      flies::GrayPair images = flies::load_pair(left, right);
-      if (calibration.rectifier) images = calibration.rectifier->rectify(images);
-      const flies::RectifiedPair view = images.view();
-      flies::check_camera_fits(calibration.camera, view.left.width_px, view.left.height_px, left);
-      sample.push_back(std::move(images));
-    } catch (const flies::InputError&) {  // told when its turn comes
-    }
-  }
-  return diagnose_sample(std::move(sample), calibration, mode);
+RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, flies::Calibration& calibration,
+                      const RunCorrections& corrections) {
+  return diagnose_sample(load_sample(pairs, calibration), calibration, corrections);
 }
 
-RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, const flies::Calibration& calibration,
-                             SelfRectify mode) {
+RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibration& calibration,
+                             const RunCorrections& corrections) {
   RunDiagnosis run;
+  run.mount.told = run.mount.mount = calibration.camera.mount;
   if (sample.empty()) return run;
   run.is_known = true;
   const auto diagnose_now = [&] {
@@ -84,7 +112,7 @@ RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, const flies::C
     return flies::diagnose_run(each);
   };
   run.diagnosis = diagnose_now();
-  if (is_to_be_corrected(run.diagnosis.rows, mode)) {
+  if (is_to_be_corrected(run.diagnosis.rows, corrections.self_rectify)) {
     run.correction = run.diagnosis.rows;
     run.notes.push_back(fmt::format(
         "rows of the right image lie {:+.1f} px lower than those of the left one ({:+.1f} and {:+.1f} px at the "
@@ -93,6 +121,13 @@ RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, const flies::C
         run.correction->offset_px, run.correction->at(0.0), run.correction->at(2.0 * run.correction->middle_u_px)));
     for (auto& images : sample) run.correct(images);
     run.diagnosis = diagnose_now();
+  }
+  if (corrections.find_mount && run.diagnosis.can_be_trusted()) {
+    run.mount = mount_of(sample, calibration.camera);
+    calibration.camera.mount = run.mount.mount;
+    if (run.mount.is_replaced) run.diagnosis = diagnose_now();
+    if (const auto note = flies::mount_note(run.mount)) run.notes.push_back(*note);
+    run.diagnosis.road_found = run.diagnosis.road_found || run.mount.is_confirmed || run.mount.is_replaced;
   }
   for (auto& complaint : flies::complaints(run.diagnosis)) run.notes.push_back(std::move(complaint));
   return run;

@@ -9,6 +9,7 @@
 #include "flies/io/calibration.hpp"
 #include "flies/io/pair_source.hpp"
 #include "flies/io/writers.hpp"
+#include "flies/road/find_mount.hpp"
 
 /// `--self-rectify`: whether errors of the rows are made up for.
 enum class SelfRectify {
@@ -17,13 +18,23 @@ enum class SelfRectify {
   off,
 };
 
-void add_self_rectify_option(CLI::App& command, SelfRectify& mode);
+/// What a run may change of what it was told.
+struct RunCorrections {
+  SelfRectify self_rectify = SelfRectify::automatic;
+  bool find_mount = true;  ///< `--mount auto`: the mount is taken from the road where it clearly lies elsewhere
+};
+
+void add_correction_options(CLI::App& command, RunCorrections& corrections);
+
+/// `--mount` alone.
+void add_mount_option(CLI::App& command, bool& find_mount);
 
 /// What some pairs, spread evenly over a run, say about images and calibration.
 struct RunDiagnosis {
   bool is_known = false;                      ///< false: no pair could be used
   flies::PairDiagnosis diagnosis;             ///< of the images as they are used: after the correction, if any
   std::optional<flies::RowError> correction;  ///< what every pair's rows are corrected by
+  flies::MountFinding mount;                  ///< how the camera is mounted
   std::vector<std::string> notes;             ///< sentences for the user
 
   void correct(flies::GrayPair& pair) const {
@@ -34,9 +45,10 @@ struct RunDiagnosis {
 };
 
 /// Diagnoses up to five readable pairs of a run; those that cannot be used are passed over.
-RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::Calibration& calibration,
-                      SelfRectify mode);
+/// @param calibration gets the mount that was found, where it is to be used
+RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, flies::Calibration& calibration,
+                      const RunCorrections& corrections);
 
 /// The same of pairs at hand, rectified and of the camera's size.
-RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, const flies::Calibration& calibration,
-                             SelfRectify mode);
+RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibration& calibration,
+                             const RunCorrections& corrections);

@@ -42,6 +42,13 @@ struct Check : ::testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return run_flies(folder.path(), words);
   }
+  /// The good pair with this mount and no other.
+  RunResult with_mount(const std::string& command, const Words& mount, const Words& more = {}) const {
+    Words words = {command, "left.png", "right.png", "--calib", "calib.txt"};
+    words.insert(words.end(), mount.begin(), mount.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return run_flies(folder.path(), words);
+  }
   static bool finds_the_box(const json& record) {
     for (const auto& obstacle : record.at("obstacles"))
       if (std::abs(obstacle.at("x_m").get<double>() - kBoxX_m) < 0.5 &&
@@ -92,6 +99,45 @@ TEST_F(Check, DetectLeavesThemOnRequest) {
   const json right = json::parse(detect("right.png", {"--self-rectify", "off"}).out);
   EXPECT_TRUE(right.at("diagnosis").at("corrected_row_offset_px").is_null());
   EXPECT_EQ(detect("low.png", {"--self-rectify", "maybe"}).status, 2);
+}
+
+TEST_F(Check, FindsTheCameraThatWasToldWrong) {
+  for (const Words& told :
+       {Words{"--camera-height", "0.4"}, Words{"--camera-pitch", "12"}, Words{"--camera-roll", "8"}}) {
+    const RunResult result = with_mount("detect", told, {"--json", "-"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("below the camera"));
+    const json record = json::parse(result.out);
+    EXPECT_TRUE(finds_the_box(record)) << result.out;
+    const json& mount = record.at("diagnosis").at("mount");
+    EXPECT_EQ(mount.at("source"), "road");
+    EXPECT_NEAR(mount.at("height_m").get<double>(), 1.65, 0.05);
+    EXPECT_NEAR(mount.at("pitch_rad").get<double>(), 0.0, 0.01);
+    EXPECT_NEAR(mount.at("roll_rad").get<double>(), 0.0, 0.01);
+    EXPECT_THAT(with_mount("check", told).out, HasSubstr("found, not as given"));
+  }
+}
+
+TEST_F(Check, LeavesTheCameraAsGivenOnRequestAndWhereItIsRight) {
+  const RunResult wrong = with_mount("detect", {"--camera-height", "0.4", "--mount", "given"}, {"--json", "-"});
+  EXPECT_EQ(wrong.status, 0) << wrong.err;
+  const json mount = json::parse(wrong.out).at("diagnosis").at("mount");
+  EXPECT_EQ(mount.at("source"), "given");
+  EXPECT_EQ(mount.at("height_m").get<double>(), 0.4);
+  EXPECT_THAT(wrong.err, HasSubstr("no road was found"));
+  EXPECT_EQ(json::parse(detect("right.png").out).at("diagnosis").at("mount").at("source"), "given");
+  const RunResult unknown = detect("right.png", {"--mount", "found"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("expected auto or given"));
+}
+
+TEST_F(Check, TellsARigThatHangsUpsideDown) {
+  cv::Mat left, right;
+  cv::rotate(street_pair().right, left, cv::ROTATE_180);
+  cv::rotate(street_pair().left, right, cv::ROTATE_180);
+  cv::imwrite((folder.path() / "left.png").string(), left);
+  cv::imwrite((folder.path() / "right.png").string(), right);
+  EXPECT_THAT(check("right.png").out, HasSubstr("on their heads"));
 }
 
 TEST_F(Check, TellsALensCapFromAnEmptyRoad) {

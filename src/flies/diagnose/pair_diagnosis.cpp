@@ -67,6 +67,12 @@ double PairDiagnosis::beyond_share() const {
   return found == 0 ? 0.0 : static_cast<double>(evidence.beyond) / found;
 }
 
+bool PairDiagnosis::can_be_trusted() const {
+  const bool is_found = evidence.patches < kMinPatches || matched_share() >= kFewMatched;
+  const bool is_before_infinity = evidence.beyond < kMinBeyond || beyond_share() <= kManyBeyond;
+  return textured_share >= kNothingTextured && is_found && is_before_infinity;
+}
+
 PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camera) {
   PairDiagnosis diagnosis;
   see_levels(pair.left, diagnosis);

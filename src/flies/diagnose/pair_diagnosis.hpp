@@ -24,6 +24,8 @@ struct PairDiagnosis {
   double matched_share() const;
   /// Of the places found, those beyond infinity, which cannot be.
   double beyond_share() const;
+  /// Whether so much of the images is seen and found that more can be concluded from what is found.
+  bool can_be_trusted() const;
 };
 
 /// Takes some 30 ms; `Detector` does not call it.

@@ -16,6 +16,7 @@
 #include "flies/eval/scene_truth.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
+#include "flies/road/find_mount.hpp"
 
 namespace flies {
 namespace {
@@ -47,9 +48,38 @@ void refuse_cameras(const fs::path& folder, const DatasetRequest& request) {
                    "belongs to raw images, expected that of the rectified images whose truth is known");
 }
 
+/// The mount of a camera by the road of up to five pairs of its size, spread over all; nothing when it is as told or
+/// not asked for.
+std::optional<CameraMount> mount_from_road(const std::vector<PairPaths>& pairs, const StereoCamera& camera,
+                                           const DatasetRequest& request, std::vector<std::string>& notes) {
+  constexpr std::size_t kPairs = 5;
+  if (!request.find_mount || pairs.empty()) return std::nullopt;
+  std::vector<GrayPair> sample;
+  const std::size_t count = std::min(kPairs, pairs.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto& [left, right] = pairs[count == 1 ? 0 : k * (pairs.size() - 1) / (count - 1)];
+    GrayPair images = load_pair(left, right);
+    if (sample.empty() || images.left.width_px == sample.front().left.width_px) sample.push_back(std::move(images));
+  }
+  std::vector<RectifiedPair> views;
+  for (const auto& images : sample) views.push_back(images.view());
+  const MountFinding finding = find_mount(views, camera);
+  if (const auto note = mount_note(finding)) notes.push_back(pairs.front().left + ": " + *note);
+  return finding.is_replaced ? std::optional(finding.mount) : std::nullopt;
+}
+
+/// A request for the calibrations of pairs that have one each, with that mount.
+CalibrationRequest with_mount(CalibrationRequest wanted, const CameraMount& mount) {
+  wanted.camera_height_m = mount.height_m;
+  wanted.camera_pitch_rad = mount.pitch_rad;
+  wanted.camera_roll_rad = mount.roll_rad;
+  return wanted;
+}
+
 /// The camera of a folder in which all pairs share one.
-StereoCamera shared_camera(const fs::path& folder, const DatasetRequest& request, const RectifiedPair& first,
-                           std::vector<std::string>& notes) {
+StereoCamera shared_camera(const fs::path& folder, const DatasetRequest& request, Dataset& dataset) {
+  const GrayPair images = load_pair(dataset.pairs.front().left, dataset.pairs.front().right);
+  const RectifiedPair first = images.view();
   std::string file = request.calib;
   for (const char* name : kCalibrationNames)
     if (file.empty() && fs::exists(folder / name)) file = (folder / name).string();
@@ -61,10 +91,12 @@ StereoCamera shared_camera(const fs::path& folder, const DatasetRequest& request
   if (calibration.rectifier) refuse_raw(file);
   check_camera_fits(calibration.camera, first.left.width_px, first.left.height_px, file);
   if (!calibration.has_height)
-    notes.push_back(fmt::format("{}: holds no camera height, {} m assumed", file, calibration.camera.mount.height_m));
+    dataset.notes.push_back(
+        fmt::format("{}: holds no camera height, {} m assumed", file, calibration.camera.mount.height_m));
   StereoCamera camera = calibration.camera;
   camera.width_px = first.left.width_px;
   camera.height_px = first.left.height_px;
+  if (const auto mount = mount_from_road(dataset.pairs, camera, request, dataset.notes)) camera.mount = *mount;
   return camera;
 }
 
@@ -108,11 +140,12 @@ Dataset open_kitti_drive(const fs::path& folder, const DatasetRequest& request) 
   wanted.cameras = cameras;
   // The calibration lies beside the drive, which may be given as "." or with a slash at its end.
   const fs::path drive = (fs::absolute(folder) / "").lexically_normal().parent_path();
-  const StereoCamera camera = load_calibration((drive.parent_path() / "calib_cam_to_cam.txt").string(), wanted).camera;
-  const auto truth = std::make_shared<KittiDrive>(drive, camera, cameras[0]);
+  StereoCamera camera = load_calibration((drive.parent_path() / "calib_cam_to_cam.txt").string(), wanted).camera;
 
   Dataset dataset{.kind = TruthKind::kitti_drive, .is_sequence = true};
   dataset.pairs = find_pairs(images(cameras[0]), images(cameras[1]));
+  if (const auto mount = mount_from_road(dataset.pairs, camera, request, dataset.notes)) camera.mount = *mount;
+  const auto truth = std::make_shared<KittiDrive>(drive, camera, cameras[0]);
   add_motion(drive, dataset);
   dataset.load = [truth, camera, pairs = dataset.pairs](std::size_t i) {
     return TruthFrame{load_images(pairs[i], camera), camera, truth->read(stem_of(pairs[i].left))};
@@ -131,15 +164,24 @@ Dataset open_kitti_object(const fs::path& folder, const DatasetRequest& request)
   for (const auto& name : names)
     dataset.pairs.push_back(
         {(folder / "image_2" / (name + ".png")).string(), (folder / "image_3" / (name + ".png")).string()});
-  dataset.load = [folder, wanted = calibration_request(request), pairs = dataset.pairs](std::size_t i) {
+  const auto camera_of = [folder](const std::string& name, const GrayPair& images, CalibrationRequest wanted) {
+    wanted.width_px = images.left.width_px;
+    wanted.height_px = images.left.height_px;
+    StereoCamera camera = load_calibration((folder / "calib" / (name + ".txt")).string(), wanted).camera;
+    camera.width_px = wanted.width_px;
+    camera.height_px = wanted.height_px;
+    return camera;
+  };
+  CalibrationRequest wanted = calibration_request(request);
+  if (request.find_mount) {
+    const StereoCamera first = camera_of(*names.begin(), load_images(dataset.pairs.front()), wanted);
+    if (const auto mount = mount_from_road(dataset.pairs, first, request, dataset.notes))
+      wanted = with_mount(wanted, *mount);
+  }
+  dataset.load = [folder, wanted, camera_of, pairs = dataset.pairs](std::size_t i) {
     const std::string name = stem_of(pairs[i].left);
     TruthFrame frame{load_images(pairs[i]), {}, {}};
-    CalibrationRequest of_pair = wanted;
-    of_pair.width_px = frame.images.left.width_px;
-    of_pair.height_px = frame.images.left.height_px;
-    frame.camera = load_calibration((folder / "calib" / (name + ".txt")).string(), of_pair).camera;
-    frame.camera.width_px = of_pair.width_px;
-    frame.camera.height_px = of_pair.height_px;
+    frame.camera = camera_of(name, frame.images, wanted);
     frame.truth = read_kitti_object(folder, name, frame.camera);
     return frame;
   };
@@ -189,7 +231,7 @@ Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
   if (truths != dataset.pairs.size())
     throw InputError((folder / "truth").string(), "",
                      fmt::format("found {} JSON files, expected {}, one a pair", truths, dataset.pairs.size()));
-  const StereoCamera camera = shared_camera(folder, request, load_images(dataset.pairs.front()).view(), dataset.notes);
+  const StereoCamera camera = shared_camera(folder, request, dataset);
   if (fs::exists(folder / "times.txt")) add_moments(folder, dataset);
   dataset.load = [folder, camera, pairs = dataset.pairs](std::size_t i) {
     TruthFrame frame{load_images(pairs[i], camera), camera,
@@ -214,7 +256,7 @@ Dataset open_foot_points(const fs::path& folder, const DatasetRequest& request) 
     stem.back() = '1';
     dataset.pairs.push_back({left.string(), (folder / (stem + left.extension().string())).string()});
   }
-  const StereoCamera camera = shared_camera(folder, request, load_images(dataset.pairs.front()).view(), dataset.notes);
+  const StereoCamera camera = shared_camera(folder, request, dataset);
   auto truths = read_foot_points(folder / "truth.csv", camera);
   if (truths.size() > dataset.pairs.size())
     throw InputError((folder / "truth.csv").string(), "frame",
@@ -242,19 +284,27 @@ Dataset open_kitti_stereo(const fs::path& folder, const DatasetRequest& request)
   for (const auto& name : names)
     dataset.pairs.push_back(
         {(folder / "image_0" / (name + ".png")).string(), (folder / "image_1" / (name + ".png")).string()});
-  dataset.load = [folder, request, pairs = dataset.pairs](std::size_t i) {
-    TruthFrame frame{load_images(pairs[i]), {}, {}};
-    CalibrationRequest of_pair = calibration_request(request);
-    of_pair.width_px = frame.images.left.width_px;
-    of_pair.height_px = frame.images.left.height_px;
+  const auto camera_of = [folder, file = request.calib](const GrayPair& images, CalibrationRequest wanted) {
+    wanted.width_px = images.left.width_px;
+    wanted.height_px = images.left.height_px;
     const std::string calib =
-        request.calib.empty() ? (folder / fmt::format("calib_{}x{}.yaml", of_pair.width_px, of_pair.height_px)).string()
-                              : request.calib;
-    const Calibration calibration = load_calibration(calib, of_pair);
+        file.empty() ? (folder / fmt::format("calib_{}x{}.yaml", wanted.width_px, wanted.height_px)).string() : file;
+    const Calibration calibration = load_calibration(calib, wanted);
     if (calibration.rectifier) refuse_raw(calib);
-    frame.camera = calibration.camera;
-    frame.camera.width_px = frame.images.left.width_px;
-    frame.camera.height_px = frame.images.left.height_px;
+    StereoCamera camera = calibration.camera;
+    camera.width_px = wanted.width_px;
+    camera.height_px = wanted.height_px;
+    return camera;
+  };
+  CalibrationRequest wanted = calibration_request(request);
+  if (request.find_mount) {
+    const StereoCamera first = camera_of(load_images(dataset.pairs.front()), wanted);
+    if (const auto mount = mount_from_road(dataset.pairs, first, request, dataset.notes))
+      wanted = with_mount(wanted, *mount);
+  }
+  dataset.load = [folder, wanted, camera_of, pairs = dataset.pairs](std::size_t i) {
+    TruthFrame frame{load_images(pairs[i]), {}, {}};
+    frame.camera = camera_of(frame.images, wanted);
     frame.truth.frame = static_cast<int>(i);
     frame.truth.name = stem_of(pairs[i].left);
     frame.truth.map = read_disparity_map(folder / "disp_noc" / (frame.truth.name + ".png"), frame.camera);

@@ -13,6 +13,7 @@
 #include "flies/core/random.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/io/temporary_folder.hpp"
+#include "flies/road/textured_road.hpp"
 
 namespace flies {
 namespace {
@@ -68,6 +69,37 @@ TEST(OpenDataset, ReadsScenes) {
   ASSERT_EQ(frame.truth.objects.size(), 1u);
   EXPECT_EQ(frame.truth.objects[0].type, "Car");
   EXPECT_TRUE(frame.truth.objects[0].visible);
+}
+
+TEST(OpenDataset, TakesTheMountFromTheRoadOnRequest) {
+  const StereoCamera camera{.fx_px = 400,
+                            .fy_px = 400,
+                            .cx_px = 320,
+                            .cx_right_px = 320,
+                            .cy_px = 180,
+                            .baseline_m = 0.5,
+                            .width_px = 640,
+                            .height_px = 400,
+                            .mount = {1.2, radians(8), 0.0}};
+  const OwnPair pair = render_ground(camera);
+  const auto pgm = [](const std::vector<std::uint8_t>& pixels) {
+    return "P5\n640 400\n255\n" + std::string(pixels.begin(), pixels.end());
+  };
+  const Folder folder;
+  folder.add("calib.yaml",
+             "fx_px: 400\ncx_px: 320\ncy_px: 180\nbaseline_m: 0.5\nwidth_px: 640\nheight_px: 400\nheight_m: 1.65\n");
+  folder.add("left/0.pgm", pgm(pair.left));
+  folder.add("right/0.pgm", pgm(pair.right));
+  folder.add("truth/0.json", kTruth);
+  EXPECT_EQ(open_dataset(folder.path()).load(0).camera.mount.height_m, 1.65);
+  DatasetRequest request;
+  request.find_mount = true;
+  const Dataset dataset = open_dataset(folder.path(), request);
+  ASSERT_EQ(dataset.notes.size(), 1u);
+  EXPECT_THAT(dataset.notes[0], HasSubstr("below the camera"));
+  const CameraMount mount = dataset.load(0).camera.mount;
+  EXPECT_NEAR(mount.height_m, 1.2, 0.04);
+  EXPECT_NEAR(mount.pitch_rad, radians(8), radians(0.5));
 }
 
 std::string truth_at(double time_s, double x_m, double yaw_rad) {

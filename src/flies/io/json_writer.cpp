@@ -100,6 +100,11 @@ Json object_of(const DiagnosisRecord& diagnosis) {
           {"row_roll_rad", number(diagnosis.row_roll_rad, 6)},
           {"corrected_row_offset_px", number(diagnosis.corrected_offset_px, 2)},
           {"road_found", diagnosis.road_found},
+          {"mount",
+           {{"height_m", metres(diagnosis.mount.height_m)},
+            {"pitch_rad", radians_of(diagnosis.mount.pitch_rad)},
+            {"roll_rad", radians_of(diagnosis.mount.roll_rad)},
+            {"source", diagnosis.mount_is_from_road ? "road" : "given"}}},
           {"notes", diagnosis.notes}};
 }
 

@@ -8,6 +8,7 @@
 #include "flies/core/fly.hpp"
 #include "flies/core/results.hpp"
 #include "flies/core/scan.hpp"
+#include "flies/core/stereo_camera.hpp"
 
 namespace flies {
 
@@ -17,7 +18,9 @@ struct DiagnosisRecord {
   std::optional<double> row_offset_px, row_roll_rad;  ///< left over
   std::optional<double> corrected_offset_px;          ///< made up for
   bool road_found = false;
-  std::vector<std::string> notes;  ///< what to check, one sentence each
+  CameraMount mount;                ///< that is used
+  bool mount_is_from_road = false;  ///< it was found, and is not as told
+  std::vector<std::string> notes;   ///< what to check, one sentence each
 };
 
 /// What was found in one pair, as it is written. docs/formats.md holds the schema.

@@ -11,14 +11,11 @@
 
 #include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
-#include "flies/core/parabola.hpp"
+#include "flies/road/correlate_disparities.hpp"
 #include "flies/road/kernels/correlate_shifts.hpp"
 
 namespace flies {
 namespace {
-
-/// Standard deviation of image noise that the correlation of poor texture is lowered for; roads are poor in texture.
-constexpr double kNoise_gray = 1.0;
 
 /// Probes that must agree before their fit replaces the nominal ground.
 constexpr int kMinInliers = 15;
@@ -28,10 +25,6 @@ constexpr double kInlierDisparity_px = 0.75;
 
 /// Disparities of a probe that are looked through at most: more than any image is wide.
 constexpr double kMaxSpan_px = 100'000;
-
-/// A second match this many pixels off and this close in correlation makes a probe ambiguous.
-constexpr int kAmbiguousDistance_px = 3;
-constexpr double kAmbiguousMargin = 0.05;
 
 /// Standard deviations that weigh the measurements against the prior "nominal ground" in the fit: of a probe's
 /// disparity, of the error in the camera's height, and of the road's bank.
@@ -76,36 +69,6 @@ void prefetch(const RectifiedPair& pair, const StereoPoint& image) {
   }
 }
 
-/// Correlations of the neighbourhood of a left pixel with those at a row of disparities, in steps of one pixel from
-/// `lowest_px`; 0 where a neighbourhood leaves its image.
-void correlate_disparities(const RectifiedPair& pair, const StereoPoint& image, double lowest_px,
-                           std::span<float> correlation) {
-  constexpr int kHalfWidth = kernels::kShiftColumns / 2, kHalfHeight = kernels::kShiftRows / 2;
-  const int width = pair.left.width_px, height = pair.left.height_px;
-  const int u = static_cast<int>(std::lrint(image.u_px)), v = static_cast<int>(std::lrint(image.v_px));
-  std::fill(correlation.begin(), correlation.end(), 0.0F);
-  if (u < kHalfWidth || u + kHalfWidth >= width || v < kHalfHeight || v + kHalfHeight >= height) return;
-  // The neighbourhood at the lowest disparity is the rightmost. It and those to its left must be inside the image.
-  const auto rightmost16 = static_cast<int>(std::lrint((u - lowest_px) * kernels::kShiftSteps));
-  const int rightmost = (rightmost16 >> kernels::kShiftStepBits) - kHalfWidth;
-  const int first = std::max(0, rightmost + kernels::kShiftColumns + 1 - width);
-  const int end = std::min(static_cast<int>(correlation.size()), rightmost + 1);
-  for (int begin = first; begin < end; begin += kernels::kMaxShifts) {
-    const int shifts = std::min(kernels::kMaxShifts, end - begin);
-    const int leftmost = rightmost - (begin + shifts - 1);
-    std::array<float, kernels::kMaxShifts> from_left;
-    kernels::correlate_shifts({.left = pair.left.row(v - kHalfHeight) + u - kHalfWidth,
-                               .right = pair.right.row(v - kHalfHeight) + leftmost,
-                               .left_stride = pair.left.stride,
-                               .right_stride = pair.right.stride,
-                               .fraction16 = rightmost16 & (kernels::kShiftSteps - 1),
-                               .shifts = shifts,
-                               .noise_gray2 = kNoise_gray * kNoise_gray},
-                              from_left.data());
-    std::reverse_copy(from_left.begin(), from_left.begin() + shifts, correlation.begin() + begin);
-  }
-}
-
 /// Matches one probe along its line of sight, in steps of one pixel of disparity and then between them.
 /// @param correlation memory
 RoadProbe match_probe(const RectifiedPair& pair, const Projection& projection, const RoadOptions& options,
@@ -122,13 +85,11 @@ RoadProbe match_probe(const RectifiedPair& pair, const Projection& projection, c
   correlation.resize(static_cast<std::size_t>(highest_px - lowest_px) + 1);
   correlate_disparities(pair, image, lowest_px, correlation);
 
-  const auto best = std::max_element(correlation.begin(), correlation.end());
-  const auto k = best - correlation.begin();
-  if (k == 0 || best + 1 == correlation.end() || *best < options.min_correlation) return {};
-  for (auto other = correlation.begin(); other != correlation.end(); ++other)
-    if (std::abs(other - best) >= kAmbiguousDistance_px && *other > *best - kAmbiguousMargin) return {};
-  const double disparity_px = lowest_px + static_cast<double>(k) + parabola_vertex(best[-1], best[0], best[1]);
-  return {projection.triangulate({image.u_px, image.v_px, disparity_px}), *best, false};
+  const double best = unambiguous_best(correlation, options.min_correlation);
+  if (best < 0.0) return {};
+  const double disparity_px = lowest_px + best;
+  return {projection.triangulate({image.u_px, image.v_px, disparity_px}),
+          correlation[static_cast<std::size_t>(std::lrint(best))], false};
 }
 
 /// Solves the 3 x 3 normal equations of z = height + slope x + bank y by Gaussian elimination; they are positive

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "flies/core/random.hpp"
+#include "flies/road/textured_road.hpp"
 
 namespace flies {
 namespace {
@@ -25,19 +26,6 @@ StereoCamera camera() {
           .width_px = 640,
           .height_px = 300,
           .mount = {.height_m = 1.5}};
-}
-
-/// Smooth noise anchored to the road: the value at a grid of 6 cm, interpolated.
-double road_texture(double x_m, double y_m) {
-  constexpr double kGrid_m = 0.06;
-  const double x = x_m / kGrid_m, y = y_m / kGrid_m;
-  const auto node = [](double i, double j) {
-    return FlyRandom(3, 0, static_cast<std::uint32_t>(static_cast<std::int32_t>(i)),
-                     static_cast<std::uint32_t>(static_cast<std::int32_t>(j)))
-        .uniform();
-  };
-  const double i = std::floor(x), j = std::floor(y), fx = x - i, fy = y - j;
-  return std::lerp(std::lerp(node(i, j), node(i + 1, j), fx), std::lerp(node(i, j + 1), node(i + 1, j + 1), fx), fy);
 }
 
 struct Scene {

@@ -1,0 +1,220 @@
+#include "flies/road/find_mount.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include "flies/road/ground_plane.hpp"
+#include "flies/road/road.hpp"
+#include "flies/road/see_places.hpp"
+
+namespace flies {
+namespace {
+
+/// A mount that deviates by less is the one that was told: the road of each pair makes up for that.
+constexpr double kSameHeight = 0.08;
+constexpr double kSameTilt_rad = radians(2.0);
+
+/// A road that is steeper in the told axes does not confirm them: it may be the camera that tilts.
+constexpr double kMaxSlope = 0.044;
+
+/// Shears of the right image: what nearly all mounts need, and what cameras near the ground need.
+constexpr double kSmallShear = 0.5, kLargeShear = 2.0;
+constexpr double kLowestMount_m = 0.2;
+
+/// Of the probes of the road, those on it: 0.2 to 0.7 in good pairs, at most 0.08 with a wrong mount.
+constexpr double kConfirmed = 0.2;
+/// With so many, the told mount gives way only to much better evidence.
+constexpr double kLikely = 0.1;
+
+/// Support that a plane needs to be the ground, as a share of the places matched: 0.05 to 0.5 where much of it is seen.
+constexpr double kGroundShare = 0.025;
+constexpr double kMuchGroundShare = 0.08;
+/// The told mount stays when its support is this share of the best.
+constexpr double kAsGood = 0.6;
+
+/// Mounts of several pairs that differ by less from their median agree.
+constexpr double kAgreeingHeight = 0.12;
+constexpr double kAgreeingTilt_rad = radians(3.0);
+
+/// Higher planes are found, but not believed: a ceiling, a roof.
+constexpr double kHighest_m = 3.6;
+
+/// Scatter beyond which a plane says nothing.
+constexpr double kMaxHeightDeviation = 0.05;
+constexpr double kMaxTiltDeviation_rad = radians(1.0);
+
+MountLimits around(const CameraMount& told) {
+  return {told.height_m * (1.0 - kSameHeight), told.height_m * (1.0 + kSameHeight), told.pitch_rad - kSameTilt_rad,
+          told.pitch_rad + kSameTilt_rad,      told.roll_rad - kSameTilt_rad,       told.roll_rad + kSameTilt_rad};
+}
+
+/// The told mount at other tilts: the first tries of the search around it.
+std::vector<GroundPlane> planes_around(const CameraMount& told, double scale_px_m) {
+  constexpr int kSteps = 8;
+  std::vector<GroundPlane> planes;
+  for (int step = -kSteps; step <= kSteps; ++step)
+    planes.push_back(
+        plane_below({told.height_m, told.pitch_rad + step * kSameTilt_rad / kSteps, told.roll_rad}, scale_px_m));
+  return planes;
+}
+
+/// What one pair says.
+struct Vote {
+  std::size_t places = 0;
+  double told_support = 0.0;              ///< of the best plane around the told mount
+  double support = 0.0;                   ///< of the best plane
+  std::optional<CameraMount> mount = {};  ///< of that plane, where it is sure enough
+};
+
+Vote vote_of(const SeenPlaces& seen, const CameraMount& told) {
+  Vote vote;
+  vote.places = seen.places.size();
+  const auto near_told = planes_around(told, seen.scale_px_m);
+  if (const auto found = fit_ground(seen, around(told), near_told)) vote.told_support = found->support;
+  const auto best = fit_ground(seen, {}, near_told);
+  if (!best) return vote;
+  vote.support = std::max(best->support, vote.told_support);
+  const MountDeviation deviation = mount_deviation(seen, best->plane);
+  const CameraMount mount = mount_above(best->plane, seen.scale_px_m);
+  if (mount.height_m <= kHighest_m && deviation.height_share < kMaxHeightDeviation &&
+      deviation.pitch_rad < kMaxTiltDeviation_rad && deviation.roll_rad < kMaxTiltDeviation_rad)
+    vote.mount = mount;
+  return vote;
+}
+
+double share_of(const Vote& vote) { return vote.support / std::max<double>(1.0, static_cast<double>(vote.places)); }
+
+/// The vote at half of the weight, in ascending order of a member of their mounts.
+double weighted_median(std::vector<Vote> votes, double CameraMount::*member) {
+  std::sort(votes.begin(), votes.end(),
+            [&](const Vote& a, const Vote& b) { return (*a.mount).*member < (*b.mount).*member; });
+  double total = 0.0, sum = 0.0;
+  for (const auto& vote : votes) total += vote.support;
+  for (const auto& vote : votes) {
+    sum += vote.support;
+    if (sum >= total / 2.0) return (*vote.mount).*member;
+  }
+  return (*votes.back().mount).*member;
+}
+
+/// The mount that most of the votes with much ground agree on.
+std::optional<CameraMount> agreed_mount(const std::vector<Vote>& all, double min_share) {
+  std::vector<Vote> votes;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(votes),
+               [&](const Vote& vote) { return vote.mount && share_of(vote) >= min_share; });
+  if (votes.empty()) return std::nullopt;
+  const CameraMount middle{weighted_median(votes, &CameraMount::height_m),
+                           weighted_median(votes, &CameraMount::pitch_rad),
+                           weighted_median(votes, &CameraMount::roll_rad)};
+  const auto agreeing = std::count_if(votes.begin(), votes.end(), [&](const Vote& vote) {
+    return std::abs(vote.mount->height_m / middle.height_m - 1.0) < kAgreeingHeight &&
+           std::abs(vote.mount->pitch_rad - middle.pitch_rad) < kAgreeingTilt_rad &&
+           std::abs(vote.mount->roll_rad - middle.roll_rad) < kAgreeingTilt_rad;
+  });
+  if (2 * static_cast<std::size_t>(agreeing) <= votes.size()) return std::nullopt;
+  return middle;
+}
+
+/// The images turned by 180 degrees.
+SeenPlaces turned(SeenPlaces seen) {
+  for (auto& place : seen.places) {
+    place.across = -place.across;
+    place.down = -place.down;
+  }
+  return seen;
+}
+
+/// Whether much of both images is ground when they are turned; where little is when they are not.
+bool stands_on_its_head(const std::vector<SeenPlaces>& each) {
+  std::vector<Vote> votes;
+  for (const auto& seen : each) votes.push_back(vote_of(turned(seen), CameraMount{}));
+  return agreed_mount(votes, kMuchGroundShare).has_value();
+}
+
+/// What all pairs say.
+struct Evidence {
+  std::vector<SeenPlaces> each;
+  std::vector<Vote> votes;
+  double support = 0.0, told_support = 0.0;
+  std::size_t places = 0;
+
+  double share(double of) const { return places == 0 ? 0.0 : of / static_cast<double>(places); }
+  bool is_as_told() const { return told_support >= kAsGood * support; }
+  bool is_clear() const { return share(support) >= (is_as_told() ? kGroundShare : kMuchGroundShare); }
+};
+
+Evidence gather(std::span<const RectifiedPair> pairs, const StereoCamera& camera, double max_shear) {
+  Evidence evidence;
+  for (const auto& pair : pairs) {
+    evidence.each.push_back(see_places(pair, camera, max_shear));
+    const Vote& vote = evidence.votes.emplace_back(vote_of(evidence.each.back(), camera.mount));
+    evidence.places += vote.places;
+    evidence.support += vote.support;
+    evidence.told_support += vote.told_support;
+  }
+  return evidence;
+}
+
+/// Of the probes of the road in all pairs, those on a road that was found.
+double road_share(std::span<const RectifiedPair> pairs, const StereoCamera& camera) {
+  const Projection projection(camera);
+  std::size_t probes = 0, on_road = 0;
+  for (const auto& pair : pairs) {
+    const RoadResult road = estimate_road(pair, projection, {});
+    probes += road.probes.size();
+    if (road.found && std::abs(road.plane.slope) <= kMaxSlope)
+      on_road += static_cast<std::size_t>(
+          std::count_if(road.probes.begin(), road.probes.end(), [](const RoadProbe& probe) { return probe.inlier; }));
+  }
+  return probes == 0 ? 0.0 : static_cast<double>(on_road) / static_cast<double>(probes);
+}
+
+}  // namespace
+
+MountFinding find_mount(std::span<const RectifiedPair> pairs, const StereoCamera& camera) {
+  MountFinding finding{.told = camera.mount, .mount = camera.mount};
+  for (const auto& pair : pairs) check_pair(pair);
+  const double told_road = road_share(pairs, camera);
+  finding.is_confirmed = told_road >= kConfirmed;
+  if (finding.is_confirmed) return finding;
+
+  const double least_share = told_road >= kLikely ? kMuchGroundShare : kGroundShare;
+  Evidence evidence = gather(pairs, camera, kSmallShear);
+  if (!evidence.is_clear()) {
+    const double large = std::min(kLargeShear, camera.baseline_m / kLowestMount_m);
+    if (large > kSmallShear) evidence = gather(pairs, camera, large);
+  }
+  finding.ground_share = evidence.share(evidence.support);
+  const bool is_as_told = evidence.is_as_told();
+  const auto mount = is_as_told ? std::nullopt : agreed_mount(evidence.votes, least_share);
+  finding.is_confirmed = is_as_told && finding.ground_share >= kGroundShare;
+  finding.is_replaced = mount.has_value();
+  if (mount) finding.mount = *mount;
+  if (finding.ground_share < kMuchGroundShare && told_road < kLikely && stands_on_its_head(evidence.each)) {
+    finding.mount = camera.mount;
+    finding.is_confirmed = finding.is_replaced = false;
+    finding.is_upside_down = true;
+  }
+  return finding;
+}
+
+std::optional<std::string> mount_note(const MountFinding& finding) {
+  if (finding.is_upside_down)
+    return "the ground lies above the camera: the images stand on their heads; turn both by 180 degrees and give the "
+           "right one as the left";
+  if (!finding.is_replaced) return std::nullopt;
+  const CameraMount &told = finding.told, &seen = finding.mount;
+  const auto tilt = [](double rad) { return degrees(rad) + 0.0; };
+  return fmt::format(
+      "the road lies {:.2f} m below the camera, which looks {:.1f} degrees down and leans {:.1f} to the right, not "
+      "{:.2f} m, {:.1f} and {:.1f}: that is used; give it as --camera-height {:.2f} --camera-pitch {:.1f} "
+      "--camera-roll {:.1f}, or --mount given for the other",
+      seen.height_m, tilt(seen.pitch_rad), tilt(seen.roll_rad), told.height_m, tilt(told.pitch_rad),
+      tilt(told.roll_rad), seen.height_m, tilt(seen.pitch_rad), tilt(seen.roll_rad));
+}
+
+}  // namespace flies

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "flies/core/gray_view.hpp"
+#include "flies/core/stereo_camera.hpp"
+
+namespace flies {
+
+/// What the ground in some pairs says about how the camera is mounted.
+struct MountFinding {
+  CameraMount told;             ///< what the camera said
+  CameraMount mount;            ///< what to use: as told, unless the ground clearly lies elsewhere
+  bool is_replaced = false;     ///< the ground lies elsewhere, and `mount` is where it is seen
+  bool is_confirmed = false;    ///< the ground was seen where it was told to be
+  bool is_upside_down = false;  ///< the ground lies above the camera: both images stand on their heads
+  double ground_share = 0.0;  ///< of the places that could be matched, those that lie on the ground, net of those below
+};
+
+/// Finds height, pitch and roll of the camera above the ground that the pairs show. Where the road is seen as the
+/// mount says, that is all, and takes about a millisecond a pair; otherwise all of the images is matched and the plane
+/// that has most places on it and fewest below is looked for (some 0.1 s a pair): heights of 0.15 to 3.6 m, pitches of
+/// -20 to 35 degrees, rolls of up to 15. Meant for the first pairs of a run, not for each.
+/// @param pairs of one camera, of the size it is calibrated for; five are plenty, one can do
+/// @throws InputError when an image is empty or those of a pair differ in size
+MountFinding find_mount(std::span<const RectifiedPair> pairs, const StereoCamera& camera);
+
+/// What to tell the user: nothing when the mount is as told.
+std::optional<std::string> mount_note(const MountFinding& finding);
+
+}  // namespace flies

@@ -1,0 +1,110 @@
+#include "flies/road/find_mount.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "flies/road/textured_road.hpp"
+
+namespace flies {
+namespace {
+
+/// How well the mount must be found on an ideally textured ground: what costs no obstacle.
+constexpr double kHeightShare = 0.03;
+constexpr double kTilt_rad = radians(0.5);
+
+StereoCamera camera(const CameraMount& mount, double baseline_m) {
+  return {.fx_px = 400,
+          .fy_px = 400,
+          .cx_px = 320,
+          .cx_right_px = 320,
+          .cy_px = 180,
+          .baseline_m = baseline_m,
+          .width_px = 640,
+          .height_px = 400,
+          .mount = mount};
+}
+
+struct Case {
+  CameraMount mount;
+  double baseline_m;
+};
+
+class FindMount : public testing::TestWithParam<Case> {};
+
+TEST_P(FindMount, SeesTheGroundThatWasToldWrong) {
+  const auto& [truth, baseline_m] = GetParam();
+  const OwnPair pair = render_ground(camera(truth, baseline_m));
+  const RectifiedPair view = pair.view();
+  const MountFinding finding = find_mount({&view, 1}, camera({}, baseline_m));
+  EXPECT_TRUE(finding.is_replaced);
+  EXPECT_FALSE(finding.is_upside_down);
+  EXPECT_NEAR(finding.mount.height_m / truth.height_m, 1.0, kHeightShare);
+  EXPECT_NEAR(finding.mount.pitch_rad, truth.pitch_rad, kTilt_rad);
+  EXPECT_NEAR(finding.mount.roll_rad, truth.roll_rad, kTilt_rad);
+  EXPECT_TRUE(mount_note(finding));
+}
+
+TEST_P(FindMount, LeavesWhatWasToldRight) {
+  const auto& [truth, baseline_m] = GetParam();
+  const StereoCamera told = camera(truth, baseline_m);
+  const OwnPair pair = render_ground(told);
+  const RectifiedPair view = pair.view();
+  const MountFinding finding = find_mount({&view, 1}, told);
+  EXPECT_TRUE(finding.is_confirmed);
+  EXPECT_FALSE(finding.is_replaced);
+  EXPECT_EQ(finding.mount.height_m, truth.height_m);
+  EXPECT_FALSE(mount_note(finding));
+}
+
+INSTANTIATE_TEST_SUITE_P(Mounts, FindMount,
+                         testing::Values(Case{{0.3, radians(5), 0.0}, 0.12}, Case{{0.2, 0.0, 0.0}, 0.3},
+                                         Case{{0.4, radians(10), 0.0}, 0.12}, Case{{3.0, radians(25), 0.0}, 0.5},
+                                         Case{{1.0, radians(-15), 0.0}, 0.5}, Case{{1.65, 0.0, radians(10)}, 0.5},
+                                         Case{{1.0, radians(15), radians(-10)}, 0.12}));
+
+TEST(FindMount, TellsImagesThatStandOnTheirHeads) {
+  OwnPair pair = render_ground(camera({1.2, radians(5), 0.0}, 0.3));
+  std::reverse(pair.left.begin(), pair.left.end());
+  std::reverse(pair.right.begin(), pair.right.end());
+  std::swap(pair.left, pair.right);  // as a rig that hangs upside down sees it
+  StereoCamera turned = camera({}, 0.3);
+  turned.cx_px = turned.cx_right_px = turned.width_px - 1 - turned.cx_px;
+  turned.cy_px = turned.height_px - 1 - turned.cy_px;
+  const RectifiedPair view = pair.view();
+  const MountFinding finding = find_mount({&view, 1}, turned);
+  EXPECT_TRUE(finding.is_upside_down);
+  EXPECT_FALSE(finding.is_replaced);
+  EXPECT_TRUE(mount_note(finding));
+}
+
+TEST(FindMount, SaysNothingWhereNoGroundIsSeen) {
+  OwnPair pair{640, 400, std::vector<std::uint8_t>(640 * 400, 90), std::vector<std::uint8_t>(640 * 400, 90)};
+  RectifiedPair view = pair.view();
+  const CameraMount told{0.9, radians(3), 0.0};
+  MountFinding finding = find_mount({&view, 1}, camera(told, 0.12));
+  EXPECT_FALSE(finding.is_confirmed || finding.is_replaced || finding.is_upside_down);
+  // A wall that fills both images, 3 m ahead: a plane, but no ground.
+  constexpr int kDisparity_px = 16;
+  for (int v = 0; v < 400; ++v)
+    for (int u = 0; u < 640; ++u) {
+      const auto at = [&](int column) { return static_cast<std::uint8_t>(60 + 120 * road_texture(column, v, 5.0)); };
+      pair.left[static_cast<std::size_t>(v * 640 + u)] = at(u);
+      pair.right[static_cast<std::size_t>(v * 640 + u)] = at(u + kDisparity_px);
+    }
+  view = pair.view();
+  finding = find_mount({&view, 1}, camera(told, 0.12));
+  EXPECT_FALSE(finding.is_confirmed || finding.is_replaced || finding.is_upside_down);
+  EXPECT_EQ(finding.mount.height_m, told.height_m);
+}
+
+TEST(FindMount, TakesNoPairsAndImagesOfOnePixel) {
+  EXPECT_FALSE(find_mount({}, camera({}, 0.5)).is_replaced);
+  const std::uint8_t pixel = 7;
+  const RectifiedPair tiny{{&pixel, 1, 1, 1}, {&pixel, 1, 1, 1}};
+  EXPECT_FALSE(find_mount({&tiny, 1}, camera({}, 0.5)).is_replaced);
+}
+
+}  // namespace
+}  // namespace flies

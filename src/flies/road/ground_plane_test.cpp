@@ -1,0 +1,100 @@
+#include "flies/road/ground_plane.hpp"
+
+#include <gtest/gtest.h>
+
+#include "flies/core/random.hpp"
+
+namespace flies {
+namespace {
+
+constexpr double kScale_px_m = 380.0;
+
+/// Half of the places on the ground with a tenth of a pixel of noise, half anywhere above it.
+SeenPlaces places_above(const CameraMount& mount) {
+  const GroundPlane plane = plane_below(mount, kScale_px_m);
+  SeenPlaces seen{700.0, kScale_px_m, {}};
+  FlyRandom random(5, 0, 0, 0);
+  while (seen.places.size() < 1000) {
+    SeenPlace place{random.uniform(-0.8, 0.8), random.uniform(-0.3, 0.3), 0.0};
+    const double on_ground_px = std::max(0.0, plane.parallax_px(place));
+    const bool is_ground = on_ground_px > 2.0 && random.uniform() < 0.5;
+    place.parallax_px = is_ground ? on_ground_px + 0.1 * random.normal() : on_ground_px + random.uniform(1.0, 60.0);
+    seen.places.push_back(place);
+  }
+  return seen;
+}
+
+class FitGround : public testing::TestWithParam<CameraMount> {};
+
+TEST_P(FitGround, FindsTheMount) {
+  const CameraMount truth = GetParam();
+  const SeenPlaces seen = places_above(truth);
+  const auto found = fit_ground(seen, {});
+  ASSERT_TRUE(found);
+  const CameraMount mount = mount_above(found->plane, kScale_px_m);
+  const MountDeviation deviation = mount_deviation(seen, found->plane);
+  constexpr double kDeviations = 5.0;  // what noise may do
+  EXPECT_NEAR(mount.height_m / truth.height_m, 1.0, kDeviations * deviation.height_share);
+  EXPECT_NEAR(mount.pitch_rad, truth.pitch_rad, kDeviations * deviation.pitch_rad);
+  EXPECT_NEAR(mount.roll_rad, truth.roll_rad, kDeviations * deviation.roll_rad);
+  EXPECT_LT(deviation.height_share, 0.02);
+  EXPECT_LT(deviation.pitch_rad, radians(0.3));
+  EXPECT_LT(deviation.roll_rad, radians(0.3));
+}
+
+INSTANTIATE_TEST_SUITE_P(Mounts, FitGround,
+                         testing::Values(CameraMount{}, CameraMount{0.4, radians(10), 0.0},
+                                         CameraMount{3.0, radians(25), 0.0}, CameraMount{1.0, radians(-8), 0.0},
+                                         CameraMount{1.2, radians(5), radians(10)},
+                                         CameraMount{1.2, radians(5), radians(-10)}));
+
+TEST(MountAbove, IsTheInverseOfPlaneBelow) {
+  for (const double pitch_deg : {-15.0, 0.0, 25.0})
+    for (const double roll_deg : {-10.0, 0.0, 4.0}) {
+      const CameraMount mount{0.7, radians(pitch_deg), radians(roll_deg)};
+      const CameraMount back = mount_above(plane_below(mount, kScale_px_m), kScale_px_m);
+      EXPECT_NEAR(back.height_m, mount.height_m, 1e-9);
+      EXPECT_NEAR(back.pitch_rad, mount.pitch_rad, 1e-9);
+      EXPECT_NEAR(back.roll_rad, mount.roll_rad, 1e-9);
+    }
+}
+
+TEST(PlaneBelow, HasTheParallaxThatTheProjectionHas) {
+  const StereoCamera camera{.fx_px = 700,
+                            .fy_px = 650,
+                            .cx_px = 600,
+                            .cx_right_px = 600,
+                            .cy_px = 180,
+                            .baseline_m = 0.5,
+                            .mount = {1.3, radians(7), radians(-4)}};
+  const GroundPlane plane = plane_below(camera.mount, camera.fx_px * camera.baseline_m);
+  for (const double u_px : {0.0, 500.0, 1200.0}) {
+    const SeenPlace place{(u_px - camera.cx_px) / camera.fx_px, (300.0 - camera.cy_px) / camera.fy_px, 0.0};
+    EXPECT_NEAR(plane.parallax_px(place), Projection(camera).road_parallax_px(u_px, 300.0, {}), 1e-9);
+  }
+}
+
+TEST(FitGround, FindsNothingAmongTwoPlaces) {
+  EXPECT_FALSE(fit_ground({700.0, kScale_px_m, {{0, 0, 1}, {0, 0.1, 5}}}, {}));
+}
+
+TEST(FitGround, KeepsToItsLimits) {
+  const SeenPlaces seen = places_above({2.0, 0.0, 0.0});
+  EXPECT_TRUE(fit_ground(seen, {.max_height_m = 2.1}));
+  EXPECT_FALSE(fit_ground(seen, {.max_height_m = 1.0}));
+}
+
+TEST(GroundSupport, CountsPlacesOnThePlaneLessThoseBelowIt) {
+  const GroundPlane plane{0.0, 100.0, 0.0};
+  SeenPlaces seen{700.0, kScale_px_m, {{0.0, 0.1, 10.0}, {0.1, 0.2, 20.0}}};
+  EXPECT_DOUBLE_EQ(ground_support(seen, plane), 2.0);
+  seen.places.push_back({0.0, 0.1, 30.0});  // an obstacle
+  EXPECT_DOUBLE_EQ(ground_support(seen, plane), 2.0);
+  seen.places.push_back({0.0, 0.1, 4.0});  // below the ground
+  EXPECT_DOUBLE_EQ(ground_support(seen, plane), 1.0);
+  seen.places.push_back({0.0, -0.1, 4.0});  // above the horizon
+  EXPECT_DOUBLE_EQ(ground_support(seen, plane), 1.0);
+}
+
+}  // namespace
+}  // namespace flies
