@@ -118,6 +118,23 @@ function streamed(path) {
   assert.deepEqual(streamed(join(work, "out.mcap")).length, Number(reader.statistics.messageCount));
 }
 
+// ---- read back
+{
+  const run = spawnSync(flies, ["track", "out.mcap", "--json", "-"], { cwd: work, encoding: "utf8", maxBuffer: 1 << 28 });
+  assert.equal(run.status, 0, run.stderr);
+  const again = run.stdout.trim().split("\n").map((line) => JSON.parse(line));
+  const before = readFileSync(join(work, "out.jsonl"), "utf8").trim().split("\n").map((line) => JSON.parse(line));
+  assert.equal(again.length, before.length);
+  let close = 0;
+  again.forEach((record, i) => {
+    assert.ok(Math.abs(record.time_s - (before[i].time_s - before[0].time_s)) < 1e-6);
+    if (Math.abs(record.obstacles[0].range_m - before[i].obstacles[0].range_m) < 0.5) ++close;
+  });
+  // The pictures went through JPEG, so that now and then another obstacle is the nearest.
+  assert.ok(close >= 0.75 * again.length, `${close} of ${again.length} nearest obstacles are the same`);
+  assert.match(again[0].left, /^out\.mcap \/left 0$/);
+}
+
 // ---- a killed writer leaves whole chunks
 {
   const child = spawn(flies, [...source, "--loop", "--record", "killed.mcap", "--json", "killed.jsonl"], { cwd: work });
@@ -127,6 +144,9 @@ function streamed(path) {
   const messages = streamed(join(work, "killed.mcap"));
   const pairs = readFileSync(join(work, "killed.jsonl"), "utf8").trim().split("\n").length;
   assert.ok(messages.length > 12 * Math.min(5, pairs - 12), `${messages.length} messages of ${pairs} pairs`);
+  const run = spawnSync(flies, ["track", "killed.mcap", "--json", "-"], { cwd: work, encoding: "utf8", maxBuffer: 1 << 28 });
+  assert.equal(run.status, 0, run.stderr);
+  assert.match(run.stderr, /killed\.mcap: is cut off or damaged after \d+ pairs/);
 }
 
 // ---- the WebSocket server, by the protocol's own client

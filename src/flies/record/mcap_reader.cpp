@@ -50,12 +50,12 @@ void McapReader::complain(const std::string& what) const { throw InputError(path
 
 McapReader::McapReader(const std::string& path) : path_(path), file_(path, std::ios::binary) {
   std::error_code error;
-  left_ = std::filesystem::file_size(path, error);
+  size_ = std::filesystem::file_size(path, error);
   if (!file_ || error) complain("cannot be read");
   std::string magic(kMagic.size(), '\0');
   if (!file_.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
     complain("is no MCAP recording");
-  left_ -= magic.size();
+  position_ = magic.size();
 }
 
 std::string McapReader::unpacked(const std::string& chunk) const {
@@ -81,9 +81,9 @@ std::string McapReader::unpacked(const std::string& chunk) const {
 }
 
 /// What a record says; a message when it is one.
-std::optional<McapMessage> McapReader::take(std::uint8_t opcode, const std::string& content) {
-  Taker taker(content);
-  switch (static_cast<Opcode>(opcode)) {
+std::optional<McapMessage> McapReader::take(const Record& record, const McapPlace& place) {
+  Taker taker(record.content);
+  switch (static_cast<Opcode>(record.opcode)) {
     case Opcode::schema: {
       const auto id = static_cast<std::uint16_t>(taker.number(2));
       schemas_[id] = taker.text();
@@ -106,11 +106,11 @@ std::optional<McapMessage> McapReader::take(std::uint8_t opcode, const std::stri
       taker.number(8);
       if (!taker.is_good || found == channels_.end()) complain("a message is damaged or of no channel");
       const auto& channel = found->second;
-      return McapMessage{channel.topic, channel.schema_name, channel.encoding, time_ns, std::string(taker.rest())};
+      return McapMessage{channel.topic, channel.schema_name,       channel.encoding,
+                         time_ns,       std::string(taker.rest()), place};
     }
     case Opcode::chunk:
-      chunk_ = unpacked(content);
-      chunk_position_ = 0;
+      chunk_ = {place.record, unpacked(record.content), 0};
       break;
     case Opcode::data_end:
       is_whole_ = has_ended_ = true;
@@ -121,33 +121,64 @@ std::optional<McapMessage> McapReader::take(std::uint8_t opcode, const std::stri
   return std::nullopt;
 }
 
+/// Nothing where the file ends before the record does: its writer was killed, or it is damaged.
+std::optional<McapReader::Record> McapReader::read_record(std::uint64_t position) {
+  std::string head(kRecordHead, '\0');
+  file_.clear();
+  file_.seekg(static_cast<std::streamoff>(position));
+  if (size_ - position < kRecordHead || !file_.read(head.data(), kRecordHead)) return std::nullopt;
+  Taker taker(head);
+  Record record{static_cast<std::uint8_t>(taker.number(1)), {}};
+  const std::uint64_t length = taker.number(8);
+  if (length > size_ - position - kRecordHead) return std::nullopt;
+  record.content.resize(length);
+  if (!file_.read(record.content.data(), static_cast<std::streamsize>(length))) return std::nullopt;
+  return record;
+}
+
+std::optional<McapReader::Record> McapReader::next_in_chunk(Chunk& chunk) const {
+  if (chunk.position >= chunk.records.size()) return std::nullopt;
+  Taker taker(std::string_view(chunk.records).substr(chunk.position));
+  Record record{static_cast<std::uint8_t>(taker.number(1)), {}};
+  record.content = std::string(taker.take(taker.number(8)));
+  if (!taker.is_good) complain("a chunk is damaged");
+  if (static_cast<Opcode>(record.opcode) == Opcode::chunk) complain("a chunk holds another");
+  chunk.position += kRecordHead + record.content.size();
+  return record;
+}
+
 std::optional<McapMessage> McapReader::next() {
   while (!has_ended_) {
-    if (chunk_position_ < chunk_.size()) {
-      Taker taker(std::string_view(chunk_).substr(chunk_position_));
-      const auto opcode = static_cast<std::uint8_t>(taker.number(1));
-      const std::uint64_t length = taker.number(8);
-      const std::string content(taker.take(length));
-      if (!taker.is_good) complain("a chunk is damaged");
-      chunk_position_ += kRecordHead + length;
-      if (static_cast<Opcode>(opcode) == Opcode::chunk) complain("a chunk holds another");
-      if (auto message = take(opcode, content)) return message;
+    const McapPlace inside{chunk_.record, chunk_.position};
+    if (const auto record = next_in_chunk(chunk_)) {
+      if (auto message = take(*record, inside)) return message;
       continue;
     }
-    std::string head(kRecordHead, '\0');
-    if (left_ < kRecordHead || !file_.read(head.data(), kRecordHead)) break;
-    left_ -= kRecordHead;
-    Taker taker(head);
-    const auto opcode = static_cast<std::uint8_t>(taker.number(1));
-    const std::uint64_t length = taker.number(8);
-    if (length > left_) break;  // its writer was killed, or it is damaged
-    std::string content(length, '\0');
-    if (!file_.read(content.data(), static_cast<std::streamsize>(length))) break;
-    left_ -= length;
-    if (auto message = take(opcode, content)) return message;
+    const auto record = read_record(position_);
+    if (!record) break;
+    const McapPlace outside{position_, 0};
+    position_ += kRecordHead + record->content.size();
+    if (auto message = take(*record, outside)) return message;
   }
   has_ended_ = true;
   return std::nullopt;
+}
+
+McapMessage McapReader::at(const McapPlace& place) {
+  if (chunk_at_.record != place.record || chunk_at_.records.empty()) {
+    const auto record = read_record(place.record);
+    if (!record) complain("has changed while it was read");
+    if (static_cast<Opcode>(record->opcode) != Opcode::chunk) {
+      if (auto message = take(*record, place)) return *message;
+      complain("has changed while it was read");
+    }
+    chunk_at_ = {place.record, unpacked(record->content), 0};
+  }
+  chunk_at_.position = place.in_chunk;
+  const auto record = next_in_chunk(chunk_at_);
+  auto message = record ? take(*record, place) : std::nullopt;
+  if (!message) complain("has changed while it was read");
+  return *message;
 }
 
 }  // namespace flies

@@ -9,10 +9,17 @@
 
 namespace flies {
 
+/// Where a message is in its file.
+struct McapPlace {
+  std::uint64_t record = 0;  ///< of its chunk, or of itself when it is in none
+  std::size_t in_chunk = 0;  ///< position among the chunk's records
+};
+
 struct McapMessage {
   std::string topic, schema_name, encoding;  ///< encoding "json" of those that we write
   std::uint64_t time_ns = 0;                 ///< when it was logged, since 1970
   std::string data;
+  McapPlace place;
 };
 
 /// Reads an MCAP file from its beginning to its end, or as far as it is whole. Chunks are stored as they are or
@@ -26,6 +33,10 @@ class McapReader {
   /// @throws InputError naming the file when a chunk is damaged or compressed in another way
   std::optional<McapMessage> next();
 
+  /// The message at a place that `next` told, in any order. Its chunk is kept for the next call.
+  /// @throws InputError as `next`
+  McapMessage at(const McapPlace& place);
+
   /// Whether the file ends as it should; known after its last message.
   bool is_whole() const { return is_whole_; }
 
@@ -34,15 +45,27 @@ class McapReader {
     std::string topic, schema_name, encoding;
   };
 
-  std::optional<McapMessage> take(std::uint8_t opcode, const std::string& content);
+  /// A chunk's records, and how far they are read.
+  struct Chunk {
+    std::uint64_t record = 0;
+    std::string records;
+    std::size_t position = 0;
+  };
+  struct Record {
+    std::uint8_t opcode = 0;
+    std::string content;
+  };
+
+  std::optional<Record> read_record(std::uint64_t position);
+  std::optional<Record> next_in_chunk(Chunk& chunk) const;
+  std::optional<McapMessage> take(const Record& record, const McapPlace& place);
   std::string unpacked(const std::string& chunk) const;
   [[noreturn]] void complain(const std::string& what) const;
 
   std::string path_;
   std::ifstream file_;
-  std::uint64_t left_ = 0;  ///< bytes of the file
-  std::string chunk_;       ///< records of the present one
-  std::size_t chunk_position_ = 0;
+  std::uint64_t size_ = 0, position_ = 0;  ///< of the file, and of its next record
+  Chunk chunk_, chunk_at_;                 ///< of `next` and of `at`
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, Channel> channels_;
   bool is_whole_ = false, has_ended_ = false;

@@ -51,6 +51,23 @@ TEST(Mcap, ReadsWhatWasWritten) {
   }
 }
 
+TEST(Mcap, MessagesAreFoundAgainInAnyOrder) {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder.file("t.mcap");
+  write_some(path, 30);
+  McapReader reader(path);
+  std::vector<McapMessage> messages;
+  while (auto message = reader.next()) {
+    messages.push_back(*message);
+    EXPECT_EQ(reader.at(messages.front().place).data, messages.front().data);  // does not disturb `next`
+  }
+  ASSERT_EQ(messages.size(), 30U);
+  for (const std::size_t i : {29U, 0U, 13U, 14U, 5U}) {
+    EXPECT_EQ(reader.at(messages[i].place).data, messages[i].data);
+    EXPECT_EQ(reader.at(messages[i].place).topic, messages[i].topic);
+  }
+}
+
 TEST(Mcap, NoMessagesAreARecordingToo) {
   const testing::TemporaryFolder folder;
   write_some(folder.file("t.mcap"), 0);
