@@ -10,8 +10,9 @@ find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(pugixml REQUIRED)
 find_package(embree 3 REQUIRED)
+find_package(Threads REQUIRED)
 
-# Debian's packages of these two come without a description for CMake.
+# Debian's packages of these come without a description for CMake.
 function(flies_find_plain_library name library header)
   find_path(${name}_INCLUDE_DIR ${header} REQUIRED)
   find_library(${name}_LIBRARY ${library} REQUIRED)
@@ -24,3 +25,4 @@ function(flies_find_plain_library name library header)
 endfunction()
 flies_find_plain_library(LibLinear linear linear.h)
 flies_find_plain_library(LibSvm svm libsvm/svm.h)
+flies_find_plain_library(Zstd zstd zstd.h)

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "channel_sinks.hpp"
 #include "commands.hpp"
 #include "end_on_signal.hpp"
 #include "flies/core/error.hpp"
@@ -19,6 +21,7 @@
 #include "method_arguments.hpp"
 #include "notes.hpp"
 #include "sequence_source.hpp"
+#include "view.hpp"
 
 namespace {
 
@@ -35,7 +38,21 @@ struct LiveArguments {
   double max_skew_ms = 20.0;
   std::uint64_t max_pairs = 0;
   std::string json;
+  std::optional<int> view_port;  ///< of the page; none: no page
+  std::string view_address = "127.0.0.1";
+  std::optional<int> foxglove_port;  ///< none: no server
+  std::string foxglove_address = "127.0.0.1";
+  std::string record;
 };
+
+constexpr int kViewPort = 8090;
+constexpr int kFoxglovePort = 8765;  // where Foxglove looks first
+
+int port_number(const std::string& text, const std::string& option) {
+  constexpr int kMost = 65535;
+  const auto port = flies::detail::parse_int(text, {0, kMost}, option, "command line");
+  return static_cast<int>(port);
+}
 
 bool is_folder(const std::string& source) { return std::filesystem::is_directory(source); }
 
@@ -80,6 +97,22 @@ LiveRequest live_request(LiveArguments& arguments) {
   return request;
 }
 
+/// The page steers the run as long as there is one.
+class Steered {
+ public:
+  Steered(View* view, LiveRun& run) : view_(view) {
+    if (view_ != nullptr) view_->control(run);
+  }
+  ~Steered() {
+    if (view_ != nullptr) view_->release();
+  }
+  Steered(const Steered&) = delete;
+  Steered& operator=(const Steered&) = delete;
+
+ private:
+  View* view_;
+};
+
 void run_live(LiveArguments arguments) {
   LiveRequest request = live_request(arguments);
   std::optional<tbb::global_control> thread_limit;
@@ -93,12 +126,26 @@ void run_live(LiveArguments arguments) {
   LiveStatus status(!arguments.json.empty() && arguments.json != "-");
   std::vector<LiveSink*> sinks;
   if (!arguments.json.empty()) sinks.push_back(&json.emplace(arguments.json));
+  std::optional<View> view;
+  if (arguments.view_port) {
+    sinks.push_back(&view.emplace(flies::WebServerRequest{arguments.view_address, *arguments.view_port}));
+    std::fprintf(stderr, "flies: page at %s\n", view->address().c_str());
+  }
+  std::optional<FoxgloveSink> foxglove;
+  if (arguments.foxglove_port) {
+    sinks.push_back(&foxglove.emplace(arguments.foxglove_address, *arguments.foxglove_port));
+    std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", arguments.foxglove_address.c_str(), foxglove->port());
+  }
+  std::optional<RecordSink> record;
+  if (!arguments.record.empty()) sinks.push_back(&record.emplace(arguments.record));
   if (sinks.empty()) sinks.push_back(&table.emplace());
   sinks.push_back(&status);
 
   LiveRun run(std::move(request), sinks);
   ask_before_ending_on_signals();
+  const Steered steered(view ? &*view : nullptr, run);
   run.run();
+  if (record) record->close();
   status.finish(run.source_counts());
 }
 
@@ -181,6 +228,41 @@ void setup_live(CLI::App& app) {
   command->add_option("--json", arguments->json, "one JSON object a line, a line a pair; - is standard output")
       ->type_name("FILE")
       ->group("Output");
+  command
+      ->add_option_function<std::string>(
+          "--view",
+          [arguments](const std::string& text) {
+            arguments->view_port = text.empty() ? kViewPort : port_number(text, "--view");
+          },
+          fmt::format("show what is seen on a page for a browser; default port {}", kViewPort))
+      ->expected(0, 1)
+      ->type_name("[PORT]")
+      ->group("Output");
+  command
+      ->add_option("--view-address", arguments->view_address,
+                   "address to show the page at; where other machines reach it, it asks for a token; default 127.0.0.1")
+      ->type_name("ADDRESS")
+      ->group("Output");
+  command
+      ->add_option_function<std::string>(
+          "--foxglove",
+          [arguments](const std::string& text) {
+            arguments->foxglove_port = text.empty() ? kFoxglovePort : port_number(text, "--foxglove");
+          },
+          fmt::format("serve Foxglove and Lichtblick by their WebSocket protocol; default port {}", kFoxglovePort))
+      ->expected(0, 1)
+      ->type_name("[PORT]")
+      ->group("Output");
+  command
+      ->add_option("--foxglove-address", arguments->foxglove_address,
+                   "IP address to serve them at; whoever reaches it sees everything; default 127.0.0.1")
+      ->type_name("ADDRESS")
+      ->group("Output");
+  command
+      ->add_option("--record", arguments->record,
+                   "a recording (MCAP) of pictures and results, for them and for flies track")
+      ->type_name("FILE")
+      ->group("Output");
   command->footer(
       "\nPairs that are overtaken by newer ones before their turn are dropped and counted. A camera that goes away,\n"
       "gives broken pictures or hangs is told once and opened again until it is back. Ctrl-C ends after the\n"
@@ -189,6 +271,7 @@ void setup_live(CLI::App& app) {
       "  flies live 0 --size 2560,720 --calib calib.yaml               a camera that gives both pictures side by side\n"
       "  flies live /dev/video0 /dev/video2 --calib calib.yaml         two cameras\n"
       "  flies live both.mp4 --calib calib.yaml --loop --json -        a film\n"
+      "  flies live 0 --calib calib.yaml --view                        and a page at http://127.0.0.1:8090/\n"
       "  flies live left right --calib calib.yaml --rate 10 --loop     folders of images, as if they came from a "
       "camera\n"
       "  flies live 'v4l2src ! image/jpeg ! jpegdec' --calib calib.yaml\n"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "end_on_signal.hpp"
@@ -21,6 +22,16 @@ constexpr std::size_t kPairsToDiagnose = 5;
 constexpr std::size_t kRecentPairs = 8;  // an engine holds two, one in work and one that waits
 
 }  // namespace
+
+GroundPose moved(const GroundPose& pose, const flies::EgoMotion& ego) {
+  if (!ego.is_known) return {.segment = pose.segment + 1};
+  const flies::RigidMotion motion = ego.current_from_previous.inverse();  // of the vehicle
+  const double c = std::cos(pose.yaw_rad), s = std::sin(pose.yaw_rad);
+  return {.x_m = pose.x_m + c * motion.shift.x_m - s * motion.shift.y_m,
+          .y_m = pose.y_m + s * motion.shift.x_m + c * motion.shift.y_m,
+          .yaw_rad = pose.yaw_rad + std::atan2(motion.rotation[1][0], motion.rotation[0][0]),
+          .segment = pose.segment};
+}
 
 LiveRun::LiveRun(LiveRequest request, std::vector<LiveSink*> sinks)
     : request_(std::move(request)),
@@ -60,7 +71,7 @@ bool LiveRun::wait_for_pair(flies::StereoFrame& frame) {
     if (answer == Answer::ended) return false;
     if (answer == Answer::nothing_yet) continue;
     const std::lock_guard lock(mutex_);
-    if (is_paused_) --steps_;
+    if (steps_ > 0) --steps_;
     return true;
   }
   return false;
@@ -158,7 +169,8 @@ void LiveRun::hand_on_results(const std::shared_ptr<flies::Engine>& engine, std:
   if (!snapshot->error.empty() && !std::exchange(error_told_, true)) say(snapshot->error);
   const auto pair = pair_at(snapshot->tracking.time_s);
   if (pair && snapshot->error.empty()) {
-    LiveFrame frame{pair, snapshot, calibration_->camera, 0, {}};
+    pose_ = moved(pose_, snapshot->tracking.ego);
+    LiveFrame frame{pair, snapshot, calibration_->camera, pose_, 0, {}};
     {
       const std::lock_guard lock(mutex_);
       frame.seed = options_.seed;

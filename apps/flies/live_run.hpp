@@ -86,5 +86,6 @@ class LiveRun {
   std::uint64_t handed_on_ = 0;                          ///< results of the present engine
   flies::PairStreamCounts source_counts_;
   std::exception_ptr failure_;
-  bool error_told_ = false;
+  bool error_told_ = false;  ///< this and the next are of the handing thread
+  GroundPose pose_;
 };

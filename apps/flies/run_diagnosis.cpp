@@ -36,17 +36,16 @@ void add_named_option(CLI::App& command, const std::string& option, Value& value
       ->type_name("MODE");
 }
 
-std::vector<flies::GrayPair> load_sample(const std::vector<flies::PairPaths>& pairs,
+std::vector<flies::GrayPair> load_sample(std::size_t pairs, const LoadPair& load,
                                          const flies::Calibration& calibration) {
   std::vector<flies::GrayPair> sample;
-  const std::size_t count = std::min(kPairs, pairs.size());
+  const std::size_t count = std::min(kPairs, pairs);
   for (std::size_t k = 0; k < count; ++k) {
-    const auto& [left, right] = pairs[count == 1 ? 0 : k * (pairs.size() - 1) / (count - 1)];
     try {
-      flies::GrayPair images = flies::load_pair(left, right);
+      flies::GrayPair images = load(count == 1 ? 0 : k * (pairs - 1) / (count - 1));
       if (calibration.rectifier) images = calibration.rectifier->rectify(images);
       const flies::RectifiedPair view = images.view();
-      flies::check_camera_fits(calibration.camera, view.left.width_px, view.left.height_px, left);
+      flies::check_camera_fits(calibration.camera, view.left.width_px, view.left.height_px, "pair");
       sample.push_back(std::move(images));
     } catch (const flies::InputError&) {  // told when its turn comes
     }
@@ -97,7 +96,13 @@ std::optional<flies::DiagnosisRecord> RunDiagnosis::record() const {
 
 RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, flies::Calibration& calibration,
                       const RunCorrections& corrections) {
-  return diagnose_sample(load_sample(pairs, calibration), calibration, corrections);
+  const auto load = [&](std::size_t pair) { return flies::load_pair(pairs[pair].left, pairs[pair].right); };
+  return diagnose(pairs.size(), load, calibration, corrections);
+}
+
+RunDiagnosis diagnose(std::size_t pairs, const LoadPair& load, flies::Calibration& calibration,
+                      const RunCorrections& corrections) {
+  return diagnose_sample(load_sample(pairs, load, calibration), calibration, corrections);
 }
 
 RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibration& calibration,

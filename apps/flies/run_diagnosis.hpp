@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,6 +48,13 @@ struct RunDiagnosis {
 /// Diagnoses up to five readable pairs of a run; those that cannot be used are passed over.
 /// @param calibration gets the mount that was found, where it is to be used
 RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, flies::Calibration& calibration,
+                      const RunCorrections& corrections);
+
+/// Loads one pair of a run. @throws flies::InputError when it cannot be used
+using LoadPair = std::function<flies::GrayPair(std::size_t)>;
+
+/// The same of pairs that come from elsewhere.
+RunDiagnosis diagnose(std::size_t pairs, const LoadPair& load, flies::Calibration& calibration,
                       const RunCorrections& corrections);
 
 /// The same of pairs at hand, rectified and of the camera's size.

@@ -24,6 +24,7 @@
 #include "line_file.hpp"
 #include "method_arguments.hpp"
 #include "notes.hpp"
+#include "recording.hpp"
 #include "run_diagnosis.hpp"
 #include "sequence_source.hpp"
 #include "standard_output.hpp"
@@ -129,12 +130,16 @@ void run_track(TrackArguments arguments) {
   StatusLine status((json && arguments.json != "-") || (film && !json && !kitti));
   for (std::size_t i = 0; i < source.pairs.size(); ++i) {
     const auto& [left_path, right_path] = source.pairs[i];
-    flies::GrayPair images = flies::load_pair(left_path, right_path);
+    flies::GrayPair images = source.load(i);
     if (i == 0)
-      calibration = flies::load_calibration(
-          source.calib, calibration_request(arguments.camera, left_path, right_path, images.view()));
+      calibration = source.recording && arguments.sequence.calib.empty()
+                        ? source.recording->calibration(arguments.camera)
+                        : flies::load_calibration(source.calib, calibration_request(arguments.camera, left_path,
+                                                                                    right_path, images.view()));
     if (calibration->rectifier) images = calibration->rectifier->rectify(images);
-    if (i == 0) run = diagnose(source.pairs, *calibration, arguments.corrections);
+    if (i == 0)
+      run = diagnose(
+          source.pairs.size(), [&](std::size_t k) { return source.load(k); }, *calibration, arguments.corrections);
     run.correct(images);
     const flies::RectifiedPair pair = images.view();
     flies::check_camera_fits(calibration->camera, pair.left.width_px, pair.left.height_px,
@@ -175,7 +180,7 @@ void setup_track(CLI::App& app) {
   const auto arguments = std::make_shared<TrackArguments>();
   command
       ->add_option("SOURCE", arguments->sequence.sources,
-                   "a KITTI raw drive, a drawn sequence, or the folders of left and right images")
+                   "a recording (.mcap), a KITTI raw drive, a drawn sequence, or the folders of left and right images")
       ->required()
       ->expected(1, 2);
   command->add_option("--calib", arguments->sequence.calib, "calibration; of a drive the one beside it, if not given")

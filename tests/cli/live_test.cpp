@@ -111,6 +111,44 @@ TEST_F(LiveCommand, LoopsUntilEnoughPairs) {
   EXPECT_EQ(all.back().at("live").at("dropped").get<std::size_t>(), 7 - all.size());
 }
 
+TEST_F(LiveCommand, RecordsWhatTrackReads) {
+  // A mount that is far from the default: what is read back must have it.
+  const Words mount = {"--camera-height", "1.65", "--camera-pitch", "2", "--camera-roll", "-3", "--mount", "given"};
+  Words words = {"live", "beside.avi", "--calib", "calib.txt", "--every-pair", "--record", "r.mcap", "--json", "-"};
+  words.insert(words.end(), mount.begin(), mount.end());
+  const RunResult live = run_flies(folder.path(), words);
+  ASSERT_EQ(live.status, 0) << live.err;
+  const RunResult track = run_flies(folder.path(), {"track", "r.mcap", "--mount", "given", "--json", "-"});
+  ASSERT_EQ(track.status, 0) << track.err;
+  const auto before = lines(live.out), after = lines(track.out);
+  ASSERT_EQ(before.size(), after.size());
+  const json old_record = json::parse(before.back()), new_record = json::parse(after.back());
+  EXPECT_NEAR(new_record.at("time_s").get<double>(), old_record.at("time_s").get<double>(), 1e-6);
+  constexpr double kJpeg_m = 0.3;
+  const auto &old_first = old_record.at("obstacles").at(0), &new_first = new_record.at("obstacles").at(0);
+  for (const char* key : {"x_m", "y_m", "height_m"})
+    EXPECT_NEAR(new_first.at(key).get<double>(), old_first.at(key).get<double>(), kJpeg_m) << key;
+  const RunResult level =
+      run_flies(folder.path(), {"track", "r.mcap", "--mount", "given", "--camera-pitch", "-2", "--json", "-"});
+  EXPECT_NE(json::parse(lines(level.out).back()).at("obstacles").at(0).at("height_m"), new_first.at("height_m"));
+}
+
+TEST_F(LiveCommand, FaultsOfRecordingsAreTold) {
+  write_text(folder.path() / "text.mcap", "no recording");
+  const RunResult one = run_flies(folder.path(), {"track", "text.mcap"});
+  EXPECT_EQ(one.status, 2);
+  EXPECT_EQ(one.err, "flies: text.mcap: is no MCAP recording\n");
+  const RunResult absent = run_flies(folder.path(), {"track", "absent.mcap"});
+  EXPECT_EQ(absent.err, "flies: absent.mcap: cannot be read\n");
+  EXPECT_EQ(run({"beside.avi", "--calib", "calib.txt", "--record", "no/r.mcap"}).err,
+            "flies: no/r.mcap: cannot write: No such file or directory\n");
+  EXPECT_THAT(run({"beside.avi", "--calib", "calib.txt", "--foxglove", "1234567"}).err, HasSubstr("--foxglove"));
+  EXPECT_THAT(run({"beside.avi", "--calib", "calib.txt", "--foxglove", "0", "--foxglove-address", "here"}).err,
+              HasSubstr("here:0: is no IP address"));
+  EXPECT_THAT(run({"beside.avi", "--calib", "calib.txt", "--view", "0", "--view-address", "192.0.2.1"}).err,
+              HasSubstr("192.0.2.1:0: cannot be listened at"));
+}
+
 TEST_F(LiveCommand, InterruptEndsCleanly) {
   for (const char* signal : {"INT", "TERM"}) {
     const RunResult result = run({"beside.avi", "--calib", "calib.txt", "--loop", "--json", "out.jsonl"},
