@@ -18,7 +18,6 @@ class FoxgloveSink final : public LiveSink {
   int port() const { return server_.port(); }
 
  private:
-  std::uint64_t began_ns_;
   flies::FoxgloveServer server_;
 };
 
@@ -33,8 +32,7 @@ class RecordSink final : public LiveSink {
   void close();
 
  private:
-  std::uint64_t began_ns_;
-  double newest_s_ = 0.0;
-  std::mutex mutex_;  ///< of the writer: notes come from any thread
+  std::mutex mutex_;             ///< of what follows: notes come from any thread
+  std::uint64_t newest_ns_ = 0;  ///< of the pairs; 0: none came yet
   flies::McapWriter writer_;
 };

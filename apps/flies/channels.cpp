@@ -254,13 +254,13 @@ Json message_of(Channel channel, const Stamped& at) {
 
 }  // namespace
 
-std::uint64_t time_ns_of(double time_s, std::uint64_t began_ns) {
-  return began_ns + static_cast<std::uint64_t>(std::llround(time_s * 1e9));
+std::uint64_t time_ns_of(const LiveFrame& frame) {
+  return frame.began_ns + static_cast<std::uint64_t>(std::llround(frame.pair->time_s * 1e9));
 }
 
-std::string channel_message(Channel channel, const LiveFrame& frame, std::uint64_t began_ns) {
+std::string channel_message(Channel channel, const LiveFrame& frame) {
   if (channel == Channel::record) return track_json_line(tracked_frame(frame));
-  return message_of(channel, {frame, time_ns_of(frame.pair->time_s, began_ns)}).dump();
+  return message_of(channel, {frame, time_ns_of(frame)}).dump();
 }
 
 std::string log_message(const std::string& sentence, std::uint64_t time_ns) {

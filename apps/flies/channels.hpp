@@ -44,11 +44,11 @@ inline constexpr std::array<ChannelName, 13> kChannels = {{
     {"/record", "flies.Record"},
 }};
 
-/// Nanoseconds since 1970 of a time of the run, which began at `began_ns`.
-std::uint64_t time_ns_of(double time_s, std::uint64_t began_ns);
+/// Nanoseconds since 1970 when the pair came.
+std::uint64_t time_ns_of(const LiveFrame& frame);
 
 /// The message of a channel for a pair, JSON; not for `Channel::log`.
-std::string channel_message(Channel channel, const LiveFrame& frame, std::uint64_t began_ns);
+std::string channel_message(Channel channel, const LiveFrame& frame);
 
 /// A sentence for the user as a message of `Channel::log`.
 std::string log_message(const std::string& sentence, std::uint64_t time_ns);

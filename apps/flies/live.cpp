@@ -20,6 +20,7 @@
 #include "live_status.hpp"
 #include "method_arguments.hpp"
 #include "notes.hpp"
+#include "queued_sink.hpp"
 #include "sequence_source.hpp"
 #include "view.hpp"
 
@@ -45,6 +46,8 @@ struct LiveArguments {
   std::string record;
 };
 
+constexpr std::size_t kMostForFoxglove = 2;  // pairs that wait to be sent: what is seen is to be new
+constexpr std::size_t kMostForRecord = 60;   // and to be recorded: two seconds at 30 Hz
 constexpr int kViewPort = 8090;
 constexpr int kFoxglovePort = 8765;  // where Foxglove looks first
 
@@ -113,6 +116,55 @@ class Steered {
   View* view_;
 };
 
+/// Everyone who gets the results, as the command line asks for them.
+class Outputs {
+ public:
+  explicit Outputs(const LiveArguments& arguments) : status_(!arguments.json.empty() && arguments.json != "-") {
+    if (!arguments.json.empty()) sinks_.push_back(&json_.emplace(arguments.json));
+    if (arguments.view_port) add_view({arguments.view_address, *arguments.view_port});
+    if (arguments.foxglove_port) add_foxglove(arguments.foxglove_address, *arguments.foxglove_port);
+    if (!arguments.record.empty()) add_record(arguments.record);
+    if (sinks_.empty()) sinks_.push_back(&table_.emplace());
+    sinks_.push_back(&status_);
+  }
+
+  const std::vector<LiveSink*>& sinks() const { return sinks_; }
+  View* view() { return view_ ? &*view_ : nullptr; }
+
+  void finish(const flies::PairStreamCounts& source) {
+    if (record_queue_) record_queue_->finish();
+    if (record_) record_->close();
+    status_.finish(source);
+  }
+
+ private:
+  void add_view(const flies::WebServerRequest& request) {
+    sinks_.push_back(&view_.emplace(request));
+    std::fprintf(stderr, "flies: page at %s\n", view_->address().c_str());
+  }
+  void add_foxglove(const std::string& address, int port) {
+    foxglove_.emplace(address, port);
+    sinks_.push_back(&foxglove_queue_.emplace(*foxglove_, kMostForFoxglove));
+    std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", address.c_str(), foxglove_->port());
+  }
+  void add_record(const std::string& path) {
+    record_.emplace(path);
+    sinks_.push_back(&record_queue_.emplace(*record_, kMostForRecord, [path] {
+      say_notes({path + ": this machine is too slow to record every pair; some are left out"});
+    }));
+  }
+
+  std::optional<JsonSink> json_;
+  std::optional<TableSink> table_;
+  std::optional<View> view_;
+  std::optional<FoxgloveSink> foxglove_;
+  std::optional<QueuedSink> foxglove_queue_;
+  std::optional<RecordSink> record_;
+  std::optional<QueuedSink> record_queue_;
+  LiveStatus status_;
+  std::vector<LiveSink*> sinks_;
+};
+
 void run_live(LiveArguments arguments) {
   LiveRequest request = live_request(arguments);
   std::optional<tbb::global_control> thread_limit;
@@ -121,32 +173,12 @@ void run_live(LiveArguments arguments) {
                          static_cast<std::size_t>(request.options.threads));
     cv::setNumThreads(request.options.threads);
   }
-  std::optional<JsonSink> json;
-  std::optional<TableSink> table;
-  LiveStatus status(!arguments.json.empty() && arguments.json != "-");
-  std::vector<LiveSink*> sinks;
-  if (!arguments.json.empty()) sinks.push_back(&json.emplace(arguments.json));
-  std::optional<View> view;
-  if (arguments.view_port) {
-    sinks.push_back(&view.emplace(flies::WebServerRequest{arguments.view_address, *arguments.view_port}));
-    std::fprintf(stderr, "flies: page at %s\n", view->address().c_str());
-  }
-  std::optional<FoxgloveSink> foxglove;
-  if (arguments.foxglove_port) {
-    sinks.push_back(&foxglove.emplace(arguments.foxglove_address, *arguments.foxglove_port));
-    std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", arguments.foxglove_address.c_str(), foxglove->port());
-  }
-  std::optional<RecordSink> record;
-  if (!arguments.record.empty()) sinks.push_back(&record.emplace(arguments.record));
-  if (sinks.empty()) sinks.push_back(&table.emplace());
-  sinks.push_back(&status);
-
-  LiveRun run(std::move(request), sinks);
+  Outputs outputs(arguments);
+  LiveRun run(std::move(request), outputs.sinks());
   ask_before_ending_on_signals();
-  const Steered steered(view ? &*view : nullptr, run);
+  const Steered steered(outputs.view(), run);
   run.run();
-  if (record) record->close();
-  status.finish(run.source_counts());
+  outputs.finish(run.source_counts());
 }
 
 void add_source_options(CLI::App& command, LiveArguments& arguments) {

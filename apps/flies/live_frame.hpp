@@ -36,6 +36,7 @@ struct LiveFrame {
   GroundPose pose;
   std::uint64_t seed = 0;
   std::string preset;
+  std::uint64_t began_ns = 0;  ///< nanoseconds since 1970 at time 0 of the pairs
 };
 
 /// Someone who writes or shows what a living source gives. Called from one thread, but `note` from any.

@@ -38,6 +38,9 @@ LiveRun::LiveRun(LiveRequest request, std::vector<LiveSink*> sinks)
       sinks_(std::move(sinks)),
       options_(request_.options),
       following_(request_.following) {
+  // Times of pairs count from the moment at which the stream is made.
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  began_ns_ = static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
   stream_ =
       std::make_unique<flies::PairStream>(request_.stream, [this](const std::string& sentence) { say(sentence); });
 }
@@ -170,7 +173,7 @@ void LiveRun::hand_on_results(const std::shared_ptr<flies::Engine>& engine, std:
   const auto pair = pair_at(snapshot->tracking.time_s);
   if (pair && snapshot->error.empty()) {
     pose_ = moved(pose_, snapshot->tracking.ego);
-    LiveFrame frame{pair, snapshot, calibration_->camera, pose_, 0, {}};
+    LiveFrame frame{pair, snapshot, calibration_->camera, pose_, 0, {}, began_ns_};
     {
       const std::lock_guard lock(mutex_);
       frame.seed = options_.seed;

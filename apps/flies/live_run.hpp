@@ -73,6 +73,7 @@ class LiveRun {
   std::optional<flies::Calibration> calibration_;
   RunDiagnosis diagnosis_;
   std::uint64_t next_number_ = 0;
+  std::uint64_t began_ns_ = 0;
 
   mutable std::mutex mutex_;  ///< of all below
   std::condition_variable changed_;
