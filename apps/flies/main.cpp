@@ -66,6 +66,7 @@ void setup(CLI::App& app) {
       "\nExamples:\n"
       "  flies synth street                     render a street with known truth\n"
       "  flies detect left.png right.png --calib calib.txt --overlay found.png\n"
+      "  flies live 0 --calib calib.txt --view  what a camera sees, on a page to watch\n"
       "  flies calib calib.txt                  what a calibration file says\n"
       "  flies evaluate street                  measure what is found against that truth\n"
       "  flies config --list                    every option of the method\n"
