@@ -45,7 +45,12 @@ std::string unexpected_argument(const CLI::App& app) {
       for (const auto& name : option->get_lnames()) known.push_back("--" + name);
     return fmt::format("unknown option {}; did you mean {}?", extra, flies::nearest_name(extra, known));
   }
-  return fmt::format("unexpected argument '{}'", extras.empty() ? "" : extras.front());
+  if (extras.empty() || !subcommands.empty())
+    return fmt::format("unexpected argument '{}'", extras.empty() ? "" : extras.front());
+  std::vector<std::string> commands;
+  for (const auto* command : app.get_subcommands({})) commands.push_back(command->get_name());
+  return fmt::format("unknown command '{}'; did you mean {}?", extras.front(),
+                     flies::nearest_name(extras.front(), commands));
 }
 
 /// @param complaint of CLI11, which starts with the option's name and a colon
@@ -72,7 +77,7 @@ void setup(CLI::App& app) {
       "  flies config --list                    every option of the method\n"
       "\nExit status: 0 done, also when nothing was found, and for this help; 2 a fault in the\n"
       "input or the command line, told in one line; 1 a fault of the program itself.");
-  app.set_version_flag("--version", "flies " FLIES_VERSION);
+  app.set_version_flag("-V,--version", "flies " FLIES_VERSION);
   app.require_subcommand(0, 1);
   setup_detect(app);
   setup_track(app);

@@ -248,6 +248,10 @@ TEST(Flies, HelpsWithStatus0) {
 TEST(Flies, NamesItsVersionAndLibraries) {
   const TestFolder folder;
   EXPECT_THAT(run_flies(folder.path(), {"--version"}).out, ::testing::MatchesRegex("flies [0-9.]+\n"));
+  EXPECT_EQ(run_flies(folder.path(), {"-V"}).out, run_flies(folder.path(), {"--version"}).out);
+  const RunResult misspelt = run_flies(folder.path(), {"detct", "a", "b"});
+  EXPECT_EQ(misspelt.status, 2);
+  EXPECT_THAT(misspelt.err, ::testing::HasSubstr("unknown command 'detct'; did you mean detect?"));
   const RunResult info = run_flies(folder.path(), {"info"});
   EXPECT_EQ(info.status, 0);
   for (const char* word : {"opencv", "tbb", "compiler", "default paper", "opencv-48x96"})
