@@ -6,6 +6,7 @@
 /// Faults of the user leave the callback as `flies::InputError`; nothing else is expected to.
 void setup_detect(CLI::App& app);
 void setup_track(CLI::App& app);
+void setup_live(CLI::App& app);
 void setup_check(CLI::App& app);
 void setup_calib(CLI::App& app);
 void setup_synth(CLI::App& app);

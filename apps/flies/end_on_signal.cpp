@@ -1,5 +1,7 @@
 #include "end_on_signal.hpp"
 
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <thread>
 
@@ -18,6 +20,13 @@ sigset_t ending_signals() {
   return signals;
 }
 
+using Clock = std::chrono::steady_clock;
+
+/// A signal to the process and one to its group are one for the user.
+constexpr std::chrono::milliseconds kSameSignal{300};
+
+std::atomic<bool> asks_first = false, end_requested = false;
+
 }  // namespace
 
 // A signal handler may call next to nothing; a thread that waits for the signal may remove folders.
@@ -26,10 +35,18 @@ void end_cleanly_on_signals() {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::thread([signals] {
     int signal = 0;
-    if (sigwait(&signals, &signal) != 0) return;
+    Clock::time_point asked;
+    do {
+      if (sigwait(&signals, &signal) != 0) return;
+      if (!end_requested) asked = Clock::now();
+    } while (asks_first && (!end_requested.exchange(true) || Clock::now() - asked < kSameSignal));
     flies::remove_unfinished_outputs();
     std::signal(signal, SIG_DFL);
     pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
     std::raise(signal);
   }).detach();
 }
+
+void ask_before_ending_on_signals() { asks_first = true; }
+
+bool is_end_requested() { return end_requested; }

@@ -75,6 +75,7 @@ void setup(CLI::App& app) {
   app.require_subcommand(0, 1);
   setup_detect(app);
   setup_track(app);
+  setup_live(app);
   setup_check(app);
   setup_calib(app);
   setup_synth(app);

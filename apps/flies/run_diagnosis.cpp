@@ -36,17 +36,16 @@ void add_named_option(CLI::App& command, const std::string& option, Value& value
       ->type_name("MODE");
 }
 
-std::vector<flies::GrayPair> load_sample(const std::vector<flies::PairPaths>& pairs,
+std::vector<flies::GrayPair> load_sample(std::size_t pairs, const LoadPair& load,
                                          const flies::Calibration& calibration) {
   std::vector<flies::GrayPair> sample;
-  const std::size_t count = std::min(kPairs, pairs.size());
+  const std::size_t count = std::min(kPairs, pairs);
   for (std::size_t k = 0; k < count; ++k) {
-    const auto& [left, right] = pairs[count == 1 ? 0 : k * (pairs.size() - 1) / (count - 1)];
     try {
-      flies::GrayPair images = flies::load_pair(left, right);
+      flies::GrayPair images = load(count == 1 ? 0 : k * (pairs - 1) / (count - 1));
       if (calibration.rectifier) images = calibration.rectifier->rectify(images);
       const flies::RectifiedPair view = images.view();
-      flies::check_camera_fits(calibration.camera, view.left.width_px, view.left.height_px, left);
+      flies::check_camera_fits(calibration.camera, view.left.width_px, view.left.height_px, "pair");
       sample.push_back(std::move(images));
     } catch (const flies::InputError&) {  // told when its turn comes
     }
@@ -97,17 +96,27 @@ std::optional<flies::DiagnosisRecord> RunDiagnosis::record() const {
 
 RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, flies::Calibration& calibration,
                       const RunCorrections& corrections) {
-  std::vector<flies::GrayPair> sample = load_sample(pairs, calibration);
+  const auto load = [&](std::size_t pair) { return flies::load_pair(pairs[pair].left, pairs[pair].right); };
+  return diagnose(pairs.size(), load, calibration, corrections);
+}
+
+RunDiagnosis diagnose(std::size_t pairs, const LoadPair& load, flies::Calibration& calibration,
+                      const RunCorrections& corrections) {
+  return diagnose_sample(load_sample(pairs, load, calibration), calibration, corrections);
+}
+
+RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibration& calibration,
+                             const RunCorrections& corrections) {
   RunDiagnosis run;
   run.mount.told = run.mount.mount = calibration.camera.mount;
   if (sample.empty()) return run;
   run.is_known = true;
-  const auto diagnose_sample = [&] {
+  const auto diagnose_now = [&] {
     std::vector<flies::PairDiagnosis> each;
     for (const auto& images : sample) each.push_back(flies::diagnose_pair(images.view(), calibration.camera));
     return flies::diagnose_run(each);
   };
-  run.diagnosis = diagnose_sample();
+  run.diagnosis = diagnose_now();
   if (is_to_be_corrected(run.diagnosis.rows, corrections.self_rectify)) {
     run.correction = run.diagnosis.rows;
     run.notes.push_back(fmt::format(
@@ -116,12 +125,12 @@ RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, flies::Calibra
         "made up for; calibrate again, or --self-rectify off",
         run.correction->offset_px, run.correction->at(0.0), run.correction->at(2.0 * run.correction->middle_u_px)));
     for (auto& images : sample) run.correct(images);
-    run.diagnosis = diagnose_sample();
+    run.diagnosis = diagnose_now();
   }
   if (corrections.find_mount && run.diagnosis.can_be_trusted()) {
     run.mount = mount_of(sample, calibration.camera);
     calibration.camera.mount = run.mount.mount;
-    if (run.mount.is_replaced) run.diagnosis = diagnose_sample();
+    if (run.mount.is_replaced) run.diagnosis = diagnose_now();
     if (const auto note = flies::mount_note(run.mount)) run.notes.push_back(*note);
     run.diagnosis.road_found = run.diagnosis.road_found || run.mount.is_confirmed || run.mount.is_replaced;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,3 +49,14 @@ struct RunDiagnosis {
 /// @param calibration gets the mount that was found, where it is to be used
 RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, flies::Calibration& calibration,
                       const RunCorrections& corrections);
+
+/// Loads one pair of a run. @throws flies::InputError when it cannot be used
+using LoadPair = std::function<flies::GrayPair(std::size_t)>;
+
+/// The same of pairs that come from elsewhere.
+RunDiagnosis diagnose(std::size_t pairs, const LoadPair& load, flies::Calibration& calibration,
+                      const RunCorrections& corrections);
+
+/// The same of pairs at hand, rectified and of the camera's size.
+RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibration& calibration,
+                             const RunCorrections& corrections);

@@ -5,7 +5,9 @@
 #include <filesystem>
 
 #include "flies/core/error.hpp"
+#include "flies/io/images.hpp"
 #include "flies/io/time_stamps.hpp"
+#include "recording.hpp"
 
 namespace fs = std::filesystem;
 
@@ -42,13 +44,31 @@ std::vector<double> times_of(const std::string& file, std::size_t count) {
   return times_s;
 }
 
+bool is_recording(const std::string& source) { return source.ends_with(".mcap") && !fs::is_directory(source); }
+
+void open_recording(SequenceSource& source, const std::string& path) {
+  source.recording = std::make_shared<Recording>(path);
+  for (std::size_t i = 0; i < source.recording->size(); ++i) {
+    source.pairs.push_back({source.recording->name(i, false), source.recording->name(i, true)});
+    source.times_s.push_back(source.recording->time_s(i));
+  }
+  source.notes = source.recording->notes();
+  if (source.calib.empty()) source.calib = path;
+}
+
 }  // namespace
+
+flies::GrayPair SequenceSource::load(std::size_t pair) const {
+  return recording ? recording->pair(pair) : flies::load_pair(pairs[pair].left, pairs[pair].right);
+}
 
 SequenceSource open_sequence(const SequenceRequest& request) {
   SequenceSource source;
   source.calib = request.calib;
   std::string own_times;
-  if (request.sources.size() == 1 && is_drawn(request.sources[0])) {
+  if (request.sources.size() == 1 && is_recording(request.sources[0])) {
+    open_recording(source, request.sources[0]);
+  } else if (request.sources.size() == 1 && is_drawn(request.sources[0])) {
     const fs::path folder = request.sources[0];
     source.pairs = flies::find_pairs((folder / "left").string(), (folder / "right").string());
     own_times = (folder / "times.txt").string();
@@ -59,9 +79,8 @@ SequenceSource open_sequence(const SequenceRequest& request) {
     if (!fs::is_directory(camera_folder(drive, left) / "data") ||
         !fs::is_directory(camera_folder(drive, right) / "data"))
       throw flies::InputError(request.sources[0], "",
-                              "is no KITTI raw drive (image_00/data and image_01/data) and no folder of flies synth "
-                              "--sequence, expected one, "
-                              "or two folders");
+                              "is no KITTI raw drive (image_00/data and image_01/data), no folder of flies synth "
+                              "--sequence and no recording (.mcap), expected one, or two folders");
     source.pairs = flies::find_pairs((camera_folder(drive, left) / "data").string(),
                                      (camera_folder(drive, right) / "data").string());
     own_times = (camera_folder(drive, left) / "timestamps.txt").string();
@@ -78,6 +97,8 @@ SequenceSource open_sequence(const SequenceRequest& request) {
     source.times_s = times_of(request.times, count);
   } else if (request.rate_hz) {
     source.times_s = even_times(count, *request.rate_hz);
+  } else if (source.recording) {
+    // has its own
   } else if (!own_times.empty() && fs::exists(own_times)) {
     source.times_s = times_of(own_times, count);
   } else {

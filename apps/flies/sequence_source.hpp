@@ -1,25 +1,33 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "flies/io/gray_image.hpp"
 #include "flies/io/pair_source.hpp"
+
+class Recording;
 
 /// Pairs of a sequence with their times.
 struct SequenceSource {
-  std::vector<flies::PairPaths> pairs;
-  std::vector<double> times_s;     ///< one a pair
-  std::string calib;               ///< the one beside a KITTI raw drive, unless another was given
-  std::vector<std::string> notes;  ///< sentences on what was assumed
+  std::vector<flies::PairPaths> pairs;              ///< of a recording what they are called
+  std::vector<double> times_s;                      ///< one a pair
+  std::string calib;                                ///< the one beside a KITTI raw drive, unless another was given
+  std::vector<std::string> notes;                   ///< sentences on what was assumed
+  std::shared_ptr<const Recording> recording = {};  ///< where the pairs come from one
+
+  /// @throws flies::InputError when its images are damaged
+  flies::GrayPair load(std::size_t pair) const;
 };
 
 struct SequenceRequest {
-  std::vector<std::string> sources;           ///< a KITTI raw drive, a drawn sequence, or a left and a right folder
-  std::string calib;                          ///< empty: that of the drive
-  std::string times;                          ///< file of times, a line a pair; empty: see below
-  std::optional<double> rate_hz;              ///< pairs a second
+  std::vector<std::string> sources;  ///< a KITTI raw drive, a drawn sequence, a recording (.mcap), or two folders
+  std::string calib;                 ///< empty: that of the drive
+  std::string times;                 ///< file of times, a line a pair; empty: see below
+  std::optional<double> rate_hz;     ///< pairs a second
   std::optional<std::array<int, 2>> cameras;  ///< of a drive; else 0 and 1 if there, else 2 and 3
 };
 

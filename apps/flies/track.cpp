@@ -15,13 +15,16 @@
 #include "camera_arguments.hpp"
 #include "commands.hpp"
 #include "flies/core/error.hpp"
+#include "flies/draw/track_view.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
 #include "flies/io/pair_check.hpp"
 #include "flies/pipeline/tracker.hpp"
+#include "flies/video/film.hpp"
 #include "line_file.hpp"
 #include "method_arguments.hpp"
 #include "notes.hpp"
+#include "recording.hpp"
 #include "run_diagnosis.hpp"
 #include "sequence_source.hpp"
 #include "standard_output.hpp"
@@ -36,7 +39,7 @@ struct TrackArguments {
   std::string model;
   MethodArguments method;
   std::vector<std::pair<std::string, std::string>> following;  ///< options of ego and track: dotted name and text
-  std::string json, kitti;
+  std::string json, kitti, video;
 };
 
 /// Rate and latency on a terminal, a line that is written over, and at the end one that stays.
@@ -75,6 +78,32 @@ flies::TrackerOptions tracker_options(const TrackArguments& arguments) {
   return options;
 }
 
+/// The film of a run, in the time of its pairs.
+class TrackFilm {
+ public:
+  TrackFilm(const std::string& path, const std::vector<double>& times_s) : film_(path, rate_hz(times_s)) {}
+
+  void add(const flies::RectifiedPair& pair, const TrackedFrame& frame) {
+    const auto& left = pair.left;
+    // OpenCV has no view of constant pixels; it only reads them here.
+    const cv::Mat image(left.height_px, left.width_px, CV_8UC1, const_cast<std::uint8_t*>(left.data),
+                        static_cast<std::size_t>(left.stride));
+    const auto& [time_s, ego, tracks, detection, ego_ms, track_ms] = frame.tracking;
+    film_.add(view_.draw({image, time_s, ego, tracks, {detection.scan, frame.camera, detection.road.plane}}));
+  }
+  void commit() { film_.commit(); }
+
+ private:
+  static double rate_hz(const std::vector<double>& times_s) {
+    constexpr double kOfOnePair_hz = 10.0;
+    if (times_s.size() < 2) return kOfOnePair_hz;
+    return static_cast<double>(times_s.size() - 1) / (times_s.back() - times_s.front());
+  }
+
+  flies::Film film_;
+  flies::TrackView view_;
+};
+
 void run_track(TrackArguments arguments) {
   const flies::DetectorOptions unfitted = effective_options(arguments.method);
   const flies::TrackerOptions following = tracker_options(arguments);
@@ -96,15 +125,21 @@ void run_track(TrackArguments arguments) {
   std::optional<LineFile> json, kitti;
   if (!arguments.json.empty()) json.emplace(arguments.json);
   if (!arguments.kitti.empty()) kitti.emplace(arguments.kitti);
-  StatusLine status(json && arguments.json != "-");
+  std::optional<TrackFilm> film;
+  if (!arguments.video.empty()) film.emplace(arguments.video, source.times_s);
+  StatusLine status((json && arguments.json != "-") || (film && !json && !kitti));
   for (std::size_t i = 0; i < source.pairs.size(); ++i) {
     const auto& [left_path, right_path] = source.pairs[i];
-    flies::GrayPair images = flies::load_pair(left_path, right_path);
+    flies::GrayPair images = source.load(i);
     if (i == 0)
-      calibration = flies::load_calibration(
-          source.calib, calibration_request(arguments.camera, left_path, right_path, images.view()));
+      calibration = source.recording && arguments.sequence.calib.empty()
+                        ? source.recording->calibration(arguments.camera)
+                        : flies::load_calibration(source.calib, calibration_request(arguments.camera, left_path,
+                                                                                    right_path, images.view()));
     if (calibration->rectifier) images = calibration->rectifier->rectify(images);
-    if (i == 0) run = diagnose(source.pairs, *calibration, arguments.corrections);
+    if (i == 0)
+      run = diagnose(
+          source.pairs.size(), [&](std::size_t k) { return source.load(k); }, *calibration, arguments.corrections);
     run.correct(images);
     const flies::RectifiedPair pair = images.view();
     flies::check_camera_fits(calibration->camera, pair.left.width_px, pair.left.height_px,
@@ -128,9 +163,11 @@ void run_track(TrackArguments arguments) {
     const std::chrono::duration<double, std::milli> latency = std::chrono::steady_clock::now() - start;
     if (json) json->write(track_json_line(frame));
     if (kitti) kitti->write(kitti_tracking_lines(frame));
-    if (!json && !kitti) print(track_table(frame));
+    if (film) film->add(pair, frame);
+    if (!json && !kitti && !film) print(track_table(frame));
     status.show(latency.count());
   }
+  if (film) film->commit();
   auto notes = source.notes;
   for (const auto& note : calibration->notes) notes.push_back(source.calib + ": " + note);
   for (const auto& note : run.notes) notes.push_back(source.pairs.front().left + ": " + note);
@@ -143,7 +180,8 @@ void setup_track(CLI::App& app) {
   CLI::App* command = app.add_subcommand("track", "follow things through a sequence: identity, velocity, ego-motion");
   const auto arguments = std::make_shared<TrackArguments>();
   command
-      ->add_option("SOURCE", arguments->sequence.sources, "a KITTI raw drive, or the folders of left and right images")
+      ->add_option("SOURCE", arguments->sequence.sources,
+                   "a recording (.mcap), a KITTI raw drive, a drawn sequence, or the folders of left and right images")
       ->required()
       ->expected(1, 2);
   command->add_option("--calib", arguments->sequence.calib, "calibration; of a drive the one beside it, if not given")
@@ -179,6 +217,11 @@ void setup_track(CLI::App& app) {
   command->add_option("--kitti", arguments->kitti, "KITTI's tracking format, a line a track; - is standard output")
       ->type_name("FILE")
       ->group("Output");
+  command
+      ->add_option("--video", arguments->video,
+                   "MP4 film: the left image with boxes, beside it the view from above with trails")
+      ->type_name("FILE")
+      ->group("Output");
   command->footer(
       "\nVelocities are over ground, in the axes of the vehicle at that time (x forward, y left). Lines are\n"
       "written whole and at once, so that a pipe or `tail -f` sees each pair when it is done. Without outputs\n"
@@ -186,6 +229,7 @@ void setup_track(CLI::App& app) {
       "\nExamples:\n"
       "  flies track 2011_09_26/2011_09_26_drive_0005_sync\n"
       "  flies track left right --calib calib.yaml --rate 15 --json - | tee tracks.jsonl\n"
+      "  flies track drive --video drive.mp4                 of a folder of `flies synth --sequence`\n"
       "\nExit status: 0 done, 2 a fault in the input, told in one line.");
   command->callback([arguments] { run_track(*arguments); });
 }

@@ -89,6 +89,10 @@ std::string track_json_line(const TrackedFrame& frame) {
   object["tracks"] = tracks;
   object["stage_ms"]["ego"] = rounded(tracking.ego_ms);
   object["stage_ms"]["track"] = rounded(tracking.track_ms);
+  if (frame.live)
+    object["live"] = {{"latency_ms", rounded(frame.live->latency_ms)},
+                      {"skew_ms", rounded(frame.live->skew_ms)},
+                      {"dropped", frame.live->dropped}};
   constexpr int kOneLine = -1;
   return object.dump(kOneLine, ' ', false, Json::error_handler_t::replace) + "\n";
 }

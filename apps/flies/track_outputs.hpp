@@ -1,10 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "flies/core/stereo_camera.hpp"
 #include "flies/pipeline/tracker.hpp"
+
+/// What only a living source has.
+struct LiveRecord {
+  double latency_ms = 0.0;    ///< from the arrival of the pair to its result
+  double skew_ms = 0.0;       ///< of the right picture after the left one
+  std::uint64_t dropped = 0;  ///< pairs so far that were overtaken
+};
 
 /// One pair of a sequence and what is known after it.
 struct TrackedFrame {
@@ -14,9 +22,11 @@ struct TrackedFrame {
   std::string preset;
   flies::StereoCamera camera;
   flies::Tracking tracking;
+  std::optional<LiveRecord> live = {};
 };
 
-/// The line of `flies detect` with `time_s`, `ego` and `tracks` added; docs/formats.md holds the schema.
+/// The line of `flies detect` with `time_s`, `ego`, `tracks` and, of a living source, `live` added; docs/formats.md
+/// holds the schema.
 std::string track_json_line(const TrackedFrame& frame);
 
 /// KITTI's tracking format, a line a track.

@@ -85,6 +85,12 @@ TEST(TrackADrawnSequence, FollowsAndMeasuresIt) {
   const RunResult tracks = run_flies(folder.path(), {"track", "drive", "--json", "-"});
   ASSERT_EQ(tracks.status, 0) << tracks.err;
   EXPECT_NEAR(json::parse(lines(tracks.out).at(3)).at("time_s").get<double>(), 0.6, 1e-9);
+  const RunResult film = run_flies(folder.path(), {"track", "drive", "--video", "drive.mp4"});
+  ASSERT_EQ(film.status, 0) << film.err;
+  EXPECT_GT(fs::file_size(folder.path() / "drive.mp4"), 1000U);
+  const RunResult wrong = run_flies(folder.path(), {"track", "drive", "--video", "drive.avi"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("drive.avi: has another ending, expected .mp4"));
   const RunResult measured = run_flies(folder.path(), {"evaluate", "drive", "--json", "-"});
   ASSERT_EQ(measured.status, 0) << measured.err;
   EXPECT_EQ(json::parse(measured.out).at("sequence").at("pairs"), 4);

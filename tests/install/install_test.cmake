@@ -18,3 +18,10 @@ run(${work_dir}/build/consumer)
 
 # The program must also work from where it was installed.
 run(${work_dir}/prefix/bin/flies --version)
+
+# And the Python package, where it was built.
+file(GLOB package ${work_dir}/prefix/lib/python3/dist-packages/flies/_flies*.so)
+if(package)
+  run(${CMAKE_COMMAND} -E env PYTHONPATH=${work_dir}/prefix/lib/python3/dist-packages PYTHONDONTWRITEBYTECODE=1
+    ${python} -c "import flies; print(flies.Detector(flies.StereoCamera(400, 400, 320, 120, 0.5)))")
+endif()

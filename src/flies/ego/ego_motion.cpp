@@ -179,7 +179,7 @@ std::vector<CornerMotion> EgoEstimator::Memory::moved(const ego::PreparedPair& n
   for (std::size_t i = 0; i < now_px.size(); ++i) {
     if (!(disparities_px[i] > projection.disparity_offset_px() + kMinDisparity_px)) continue;
     const Point3 at = projection.triangulate({now_px[i].x, now_px[i].y, disparities_px[i]});
-    motions.push_back({now_px[i].x, now_px[i].y, at.x_m, at.y_m, (at.x_m - stood[i].x_m) / ego.dt_s,
+    motions.push_back({now_px[i].x, now_px[i].y, at.x_m, at.y_m, at.z_m, (at.x_m - stood[i].x_m) / ego.dt_s,
                        (at.y_m - stood[i].y_m) / ego.dt_s});
   }
   return motions;

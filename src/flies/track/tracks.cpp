@@ -25,12 +25,20 @@ constexpr double kSameThing_m = 0.3;  // tracks nearer than this, or than half t
 constexpr double kSameThingVelocity = 9.0;  // squared difference of their velocities over its covariance
 constexpr double kSameThingVelocity_mps = 1.0;
 
+constexpr double kMinCornerHeight_m = 0.3;                        // lower ones may be on the road before the thing
 constexpr double kCornerSlack_m = 1.0, kCornerSlackShare = 0.05;  // depth of a thing about its near face
 
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+/// Standard deviation of values about their median, by the median of their distances.
+double scatter(std::vector<double> values, double middle) {
+  constexpr double kNormal = 1.4826;
+  for (double& value : values) value = std::abs(value - middle);
+  return kNormal * median(values);
 }
 
 double logit(double p) { return std::log(p / (1.0 - p)); }
@@ -129,7 +137,8 @@ ImageBox TrackKeeper::predicted_box(const Track& track) const {
 
 void TrackKeeper::predict_all(const EgoMotion& ego) {
   for (auto& track : tracks_) {
-    track.state = predict(track.state, ego, options_.acceleration_mps2);
+    const bool is_person = track.kind == TrackClass::person;
+    track.state = predict(track.state, ego, is_person ? options_.person_acceleration_mps2 : options_.acceleration_mps2);
     track.age_s += ego.dt_s;
     track.unseen_s += ego.dt_s;
   }
@@ -141,8 +150,8 @@ std::optional<GroundVelocity> TrackKeeper::velocity_of(const Sighting& s, const 
   const double range_m = std::max(std::hypot(s.x_m, s.y_m), kMinDepth_m), c = s.x_m / range_m, n = s.y_m / range_m;
   std::vector<double> along, across;
   for (const auto& corner : ego.corners) {
-    if (corner.u_px < s.box.u_px || corner.v_px < s.box.v_px || corner.u_px > s.box.u_px + s.box.width_px ||
-        corner.v_px > s.box.v_px + s.box.height_px ||
+    if (corner.z_m < kMinCornerHeight_m || corner.u_px < s.box.u_px || corner.v_px < s.box.v_px ||
+        corner.u_px > s.box.u_px + s.box.width_px || corner.v_px > s.box.v_px + s.box.height_px ||
         std::abs(std::hypot(corner.x_m, corner.y_m) - range_m) > kCornerSlack_m + kCornerSlackShare * range_m)
       continue;
     along.push_back(c * corner.vx_mps + n * corner.vy_mps);
@@ -154,10 +163,12 @@ std::optional<GroundVelocity> TrackKeeper::velocity_of(const Sighting& s, const 
                            (camera_.fx_px * camera_.baseline_m * ego.dt_s);
   const double one_across =
       std::numbers::sqrt2 * range_m * options_.corner_disparity_sd_px / (camera_.fx_px * ego.dt_s);
-  const double root = std::sqrt(static_cast<double>(along.size()));
-  const double a2 = std::pow(std::hypot(options_.corner_velocity_sd_mps, one_along / root), 2);
-  const double b2 = std::pow(std::hypot(options_.corner_velocity_sd_mps, one_across / root), 2);
   const double v_along = median(along), v_across = median(across);
+  const double root = std::sqrt(static_cast<double>(along.size()));
+  const auto variance = [&](double one_mps, double scatter_mps) {
+    return std::pow(std::hypot(options_.corner_velocity_sd_mps, std::max(one_mps, scatter_mps) / root), 2);
+  };
+  const double a2 = variance(one_along, scatter(along, v_along)), b2 = variance(one_across, scatter(across, v_across));
   return GroundVelocity{c * v_along - n * v_across,
                         n * v_along + c * v_across,
                         {{{c * c * a2 + n * n * b2, c * n * (a2 - b2)}, {c * n * (a2 - b2), n * n * a2 + c * c * b2}}}};
@@ -208,9 +219,21 @@ Track TrackKeeper::start(const Sighting& s, const EgoMotion& ego) {
   return track;
 }
 
+/// A filter takes errors for independent. What all sightings share (the part of the thing that is seen, what surrounds
+/// it in the patches that match) stays, however often it is seen.
+Track TrackKeeper::reported(const Track& track) const {
+  Track found = track;
+  const double share = options_.common_sd_share * options_.common_sd_share;
+  const Covariance2 common = measured({track.state.x_m, track.state.y_m, track.width_m, 0.0, {}, {}}).covariance;
+  for (std::size_t i = 0; i < 2; ++i)
+    for (std::size_t j = 0; j < 2; ++j) found.state.covariance[i][j] += share * common[i][j];
+  return found;
+}
+
 /// One jump of a sighting looks like motion; several in a row that agree are.
 void TrackKeeper::judge_motion(Track& track) const {
-  track.velocity = likely_velocity(track.state, options_.moving_prior, options_.start_speed_mps);
+  const double prior = track.kind == TrackClass::person ? options_.person_moving_prior : options_.moving_prior;
+  track.velocity = likely_velocity(track.state, prior, options_.start_speed_mps);
   if (track.unseen_s == 0.0) {
     constexpr double kMoves = 0.5;
     track.moving_sightings = track.velocity.moving_probability > kMoves ? track.moving_sightings + 1 : 0;
@@ -272,11 +295,12 @@ std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sight
     track.kind = track.person_log_odds > 0.0 ? TrackClass::person : TrackClass::other;
     judge_motion(track);
   }
-  std::vector<Track> reported = tracks_;
-  std::stable_sort(reported.begin(), reported.end(), [](const Track& a, const Track& b) {
+  std::vector<Track> found;
+  for (const auto& track : tracks_) found.push_back(reported(track));
+  std::stable_sort(found.begin(), found.end(), [](const Track& a, const Track& b) {
     return std::hypot(a.state.x_m, a.state.y_m) < std::hypot(b.state.x_m, b.state.y_m);
   });
-  return reported;
+  return found;
 }
 
 }  // namespace flies

@@ -15,17 +15,20 @@ namespace flies {
 
 struct TrackOptions {
   double disparity_sd_px = 0.7;
-  double along_sd_m = 0.3;
-  double across_sd_m = 0.1;
+  double along_sd_m = 0.45;
+  double across_sd_m = 0.25;
   double across_sd_share = 0.3;
-  double acceleration_mps2 = 1.5;
-  double start_speed_mps = 5.0;
-  double moving_prior = 0.15;
+  double common_sd_share = 0.6;
+  double acceleration_mps2 = 3.0;
+  double person_acceleration_mps2 = 2.5;
+  double start_speed_mps = 2.0;
+  double moving_prior = 0.1;
+  double person_moving_prior = 0.8;
   int moving_sightings = 3;
-  double gate = 13.8;
+  double gate = 9.0;
   double corner_disparity_sd_px = 0.5;
   double corner_velocity_sd_mps = 0.2;
-  int min_corners = 4;
+  int min_corners = 2;
   double first_probability = 0.7;
   double seen_odds = 10.0;
   double detection_probability = 0.8;
@@ -39,9 +42,13 @@ struct TrackOptions {
     field("along_sd_m", self.along_sd_m, Range{0.01, 5}, "of an obstacle's range, beside that of its disparity");
     field("across_sd_m", self.across_sd_m, Range{0.01, 5}, "of its middle across the line of sight");
     field("across_sd_share", self.across_sd_share, Range{0, 1}, "the same, in parts of its width");
+    field("common_sd_share", self.common_sd_share, Range{0, 10},
+          "of these, what all sightings of a thing share, so that it does not average out");
     field("acceleration_mps2", self.acceleration_mps2, Range{0.01, 50}, "standard deviation of what things do");
+    field("person_acceleration_mps2", self.person_acceleration_mps2, Range{0.01, 50}, "the same of people");
     field("start_speed_mps", self.start_speed_mps, Range{0.1, 50}, "standard deviation of a new thing's velocity");
     field("moving_prior", self.moving_prior, Range{0.001, 0.999}, "share of things that move");
+    field("person_moving_prior", self.person_moving_prior, Range{0.001, 0.999}, "the same of people");
     field("moving_sightings", self.moving_sightings, Range{1, 100},
           "so often in a row a thing must seem to move before it is said to");
     field("gate", self.gate, Range{1, 100}, "squared Mahalanobis distance at which a sighting is another thing's");
@@ -82,7 +89,7 @@ struct Track {
   TrackClass kind = TrackClass::other;
   double person_log_odds = 0.0;  ///< evidence of all pairs
   double probability = 0.0;      ///< that it exists
-  GroundState state;             ///< vehicle frame of now; covariance before the question whether it moves
+  GroundState state;             ///< vehicle frame of now; with the error common to all sightings
   LikelyVelocity velocity;       ///< over ground, as reported: zero until it has seemed to move for several pairs
   double width_m = 0.0, height_m = 0.0;
   double age_s = 0.0;     ///< since it was first seen
@@ -107,6 +114,7 @@ class TrackKeeper {
 
  private:
   GroundPosition measured(const Sighting& sighting) const;
+  Track reported(const Track& track) const;
   void predict_all(const EgoMotion& ego);
   bool is_in_view(const GroundState& state) const;
   ImageBox predicted_box(const Track& track) const;

@@ -253,18 +253,55 @@ TEST(TrackKeeper, TakesTheVelocityOfCornersOnAThing) {
     TrackKeeper keeper(camera());
     std::vector<Track> tracks;
     for (int i = 0; i < 10; ++i) {
-      auto hedge = at(10, 0.2 * i, 1.0);
+      auto hedge = at(10, 0.3 * i, 1.0);
       hedge.box = {500, 100, 200, 150};
       EgoMotion ego = standing();
       for (int k = 0; with_corners && k < 10; ++k)
-        ego.corners.push_back({.u_px = 510.0 + 10 * k, .v_px = 120, .x_m = 10, .y_m = 0.2 * i});
-      ego.corners.push_back({.u_px = 600, .v_px = 120, .x_m = 30, .vx_mps = 9});  // behind it
+        ego.corners.push_back({.u_px = 510.0 + 10 * k, .v_px = 120, .x_m = 10, .y_m = 0.3 * i, .z_m = 1});
+      ego.corners.push_back({.u_px = 600, .v_px = 120, .x_m = 30, .z_m = 1, .vx_mps = 9});  // behind it
       tracks = keeper.step(ego, std::vector{hedge});
     }
     return tracks.empty() ? 0.0 : std::hypot(tracks[0].velocity.vx_mps, tracks[0].velocity.vy_mps);
   };
   EXPECT_GT(speed(false), 1.5);
   EXPECT_LT(speed(true), 0.5);
+}
+
+TEST(TrackKeeper, TakesNoVelocityFromTheRoadBeforeAThing) {
+  TrackKeeper keeper(camera());
+  std::vector<Track> tracks;
+  for (int i = 0; i < 10; ++i) {
+    auto walker = at(10, 0.3 * i);
+    walker.box = {500, 100, 200, 150};
+    EgoMotion ego = standing();
+    for (int k = 0; k < 10; ++k)
+      ego.corners.push_back({.u_px = 510.0 + 10 * k, .v_px = 240, .x_m = 10, .y_m = 0.3 * i, .z_m = 0.05});
+    tracks = keeper.step(ego, std::vector{walker});
+  }
+  ASSERT_EQ(tracks.size(), 1U);
+  EXPECT_GT(tracks[0].velocity.vy_mps, 2.0);
+}
+
+TEST(TrackKeeper, TrustsCornersThatDisagreeLess) {
+  const auto sd_mps = [](double spread_mps) {
+    TrackKeeper keeper(camera());
+    auto thing = at(10, 0);
+    thing.box = {500, 100, 200, 150};
+    EgoMotion ego = standing();
+    for (int k = 0; k < 9; ++k)
+      ego.corners.push_back({.u_px = 510.0 + 10 * k, .v_px = 120, .x_m = 10, .z_m = 1, .vy_mps = spread_mps * (k - 4)});
+    return std::sqrt(keeper.step(ego, std::vector{thing}).at(0).state.covariance[3][3]);
+  };
+  EXPECT_GT(sd_mps(1.0), 2.0 * sd_mps(0.0));
+}
+
+TEST(TrackKeeper, ReportsTheErrorThatAllSightingsShare) {
+  TrackKeeper keeper(camera());
+  std::vector<Track> tracks;
+  for (int i = 0; i < 200; ++i) tracks = keeper.step(standing(), std::vector{at(10, 0, 2.0)});
+  ASSERT_EQ(tracks.size(), 1U);
+  const TrackOptions options;
+  EXPECT_GT(std::sqrt(tracks[0].state.covariance[1][1]), options.common_sd_share * options.across_sd_share * 2.0);
 }
 
 TEST(TrackKeeper, SaysThatAThingMovesOnlyAfterSeveralSightings) {

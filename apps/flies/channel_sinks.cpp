@@ -1,0 +1,67 @@
+#include "channel_sinks.hpp"
+
+#include <chrono>
+#include <vector>
+
+#include "channel_schemas.hpp"
+#include "channels.hpp"
+
+namespace {
+
+/// Times of a run count from here.
+std::uint64_t now_ns() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+}
+
+template <class Described>
+std::vector<Described> described_channels() {
+  std::vector<Described> channels;
+  for (const auto& [topic, name] : kChannels)
+    channels.push_back({std::string(topic), std::string(name), channel_schema(std::string(name))});
+  return channels;
+}
+
+}  // namespace
+
+FoxgloveSink::FoxgloveSink(const std::string& address, int port)
+    : began_ns_(now_ns()), server_(address, port, described_channels<flies::FoxgloveChannel>()) {}
+
+void FoxgloveSink::take(const LiveFrame& frame) {
+  const std::uint64_t time_ns = time_ns_of(frame.pair->time_s, began_ns_);
+  for (std::size_t i = 0; i < kChannels.size(); ++i) {
+    const auto channel = static_cast<Channel>(i);
+    if (channel != Channel::log && server_.is_wanted(i))
+      server_.send(i, time_ns, channel_message(channel, frame, began_ns_));
+  }
+}
+
+void FoxgloveSink::note(const std::string& sentence) {
+  const std::uint64_t time_ns = now_ns();
+  server_.send(static_cast<std::size_t>(Channel::log), time_ns, log_message(sentence, time_ns));
+}
+
+RecordSink::RecordSink(const std::string& path)
+    : began_ns_(now_ns()), writer_(path, described_channels<flies::McapChannel>()) {}
+
+void RecordSink::take(const LiveFrame& frame) {
+  for (std::size_t i = 0; i < kChannels.size(); ++i) {
+    const auto channel = static_cast<Channel>(i);
+    if (channel == Channel::log) continue;
+    const std::string message = channel_message(channel, frame, began_ns_);
+    const std::lock_guard lock(mutex_);
+    newest_s_ = frame.pair->time_s;
+    writer_.write(i, time_ns_of(newest_s_, began_ns_), message);
+  }
+}
+
+void RecordSink::note(const std::string& sentence) {
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t time_ns = time_ns_of(newest_s_, began_ns_);
+  writer_.write(static_cast<std::size_t>(Channel::log), time_ns, log_message(sentence, time_ns));
+}
+
+void RecordSink::close() {
+  const std::lock_guard lock(mutex_);
+  writer_.close();
+}

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "flies/core/stereo_camera.hpp"
+#include "flies/io/gray_image.hpp"
+#include "flies/pipeline/engine.hpp"
+
+/// A pair of a living source, as the engine got it.
+struct LivePair {
+  std::uint64_t number = 0;  ///< counts the pairs of the source from 0; gaps in what follows are dropped ones
+  flies::GrayPair images;    ///< rectified
+  double time_s = 0.0, skew_s = 0.0;
+  std::string left_name, right_name;
+};
+
+/// Where the vehicle is on the ground, by adding up its motion: x forward and y left at the first pair.
+struct GroundPose {
+  double x_m = 0.0, y_m = 0.0, yaw_rad = 0.0;
+  int segment =
+      0;  ///< counts up when the motion was lost: poses of different segments have nothing to do with each other
+};
+
+/// The pose after one more motion. An unknown motion begins a new segment at the origin.
+GroundPose moved(const GroundPose& pose, const flies::EgoMotion& ego);
+
+/// A pair and what is known after it: what everyone who writes or shows gets. Shared and never changed.
+struct LiveFrame {
+  std::shared_ptr<const LivePair> pair;
+  std::shared_ptr<const flies::Snapshot> snapshot;
+  flies::StereoCamera camera;
+  GroundPose pose;
+  std::uint64_t seed = 0;
+  std::string preset;
+};
+
+/// Someone who writes or shows what a living source gives. Called from one thread, but `note` from any.
+class LiveSink {
+ public:
+  virtual ~LiveSink() = default;
+  virtual void take(const LiveFrame& frame) = 0;
+  virtual void note(const std::string& /*sentence*/) {}
+};

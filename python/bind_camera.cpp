@@ -1,0 +1,163 @@
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "flies/core/error.hpp"
+#include "flies/core/stereo_camera.hpp"
+#include "flies/io/calibration.hpp"
+#include "flies/io/images.hpp"
+#include "flies/io/pair_source.hpp"
+#include "images.hpp"
+#include "module.hpp"
+
+namespace py = pybind11;
+using py::literals::operator""_a;
+
+namespace {
+
+flies::StereoCamera make_camera(double fx_px, double fy_px, double cx_px, double cy_px, double baseline_m, int width_px,
+                                int height_px, std::optional<double> cx_right_px, double camera_height_m,
+                                double camera_pitch_rad, double camera_roll_rad) {
+  const flies::StereoCamera camera{fx_px,
+                                   fy_px,
+                                   cx_px,
+                                   cx_right_px.value_or(cx_px),
+                                   cy_px,
+                                   baseline_m,
+                                   width_px,
+                                   height_px,
+                                   {camera_height_m, camera_pitch_rad, camera_roll_rad}};
+  flies::check_camera(camera, "camera");
+  return camera;
+}
+
+void bind_stereo_camera(py::module_& module) {
+  using flies::StereoCamera;
+  py::class_<StereoCamera>(module, "StereoCamera",
+                           "A rectified stereo camera: two ideal pinholes with parallel axes, the right one displaced "
+                           "to the right by the baseline.")
+      .def(
+          py::init(&make_camera), "fx_px"_a, "fy_px"_a, "cx_px"_a, "cy_px"_a, "baseline_m"_a, "width_px"_a = 0,
+          "height_px"_a = 0, "cx_right_px"_a = py::none(), "camera_height_m"_a = flies::CameraMount{}.height_m,
+          "camera_pitch_rad"_a = 0.0, "camera_roll_rad"_a = 0.0,
+          "Focal lengths and principal point in pixels, baseline in metres. `width_px` and `height_px` of the images,\n"
+          "0 when not known. `cx_right_px` where it differs from `cx_px`. The mount: height of the left camera above\n"
+          "the ground in metres, pitch (positive looks down) and roll (positive leans to the right) in radians.\n"
+          "Raises InputError when a number is out of range.")
+      .def_readonly("fx_px", &StereoCamera::fx_px, "Focal length along rows, pixels.")
+      .def_readonly("fy_px", &StereoCamera::fy_px, "Focal length along columns, pixels.")
+      .def_readonly("cx_px", &StereoCamera::cx_px, "Principal point of the left image, column.")
+      .def_readonly("cx_right_px", &StereoCamera::cx_right_px, "Principal point of the right image, column.")
+      .def_readonly("cy_px", &StereoCamera::cy_px, "Principal point of both images, row.")
+      .def_readonly("baseline_m", &StereoCamera::baseline_m, "Distance of the two cameras, metres.")
+      .def_readonly("width_px", &StereoCamera::width_px, "Of the images; 0: not known.")
+      .def_readonly("height_px", &StereoCamera::height_px, "Of the images; 0: not known.")
+      .def_property_readonly(
+          "camera_height_m", [](const StereoCamera& c) { return c.mount.height_m; },
+          "Of the left camera above the ground, metres.")
+      .def_property_readonly(
+          "camera_pitch_rad", [](const StereoCamera& c) { return c.mount.pitch_rad; },
+          "Radians, positive when it looks down.")
+      .def_property_readonly(
+          "camera_roll_rad", [](const StereoCamera& c) { return c.mount.roll_rad; },
+          "Radians, positive when it leans to the right.")
+      .def("__repr__", [](const StereoCamera& c) {
+        return fmt::format("<flies.StereoCamera f {:.1f} px, baseline {:.3f} m, {} x {} px, {:.2f} m above the ground>",
+                           c.fx_px, c.baseline_m, c.width_px, c.height_px, c.mount.height_m);
+      });
+}
+
+py::tuple rectify(const flies::Calibration& calibration, const py::object& left, const py::object& right) {
+  const flies::RectifiedPair view = pair_view(left, right);
+  flies::GrayPair pair;
+  {
+    const py::gil_scoped_release release;
+    flies::check_pair(view);
+    pair.left = owned(view.left);
+    pair.right = owned(view.right);
+    if (calibration.rectifier) pair = calibration.rectifier->rectify(pair);
+  }
+  return py::make_tuple(as_array(std::move(pair.left)), as_array(std::move(pair.right)));
+}
+
+flies::Calibration load_calibration(const std::string& path, const std::string& right_path,
+                                    std::optional<std::array<int, 2>> cameras, int width_px, int height_px,
+                                    std::optional<std::array<int, 2>> calibrated_size_px,
+                                    std::optional<double> camera_height_m, std::optional<double> camera_pitch_rad,
+                                    std::optional<double> camera_roll_rad) {
+  flies::CalibrationRequest request;
+  request.right_path = right_path;
+  request.cameras = cameras;
+  request.width_px = width_px;
+  request.height_px = height_px;
+  if (calibrated_size_px) {
+    request.calibrated_width_px = (*calibrated_size_px)[0];
+    request.calibrated_height_px = (*calibrated_size_px)[1];
+  }
+  request.camera_height_m = camera_height_m;
+  request.camera_pitch_rad = camera_pitch_rad;
+  request.camera_roll_rad = camera_roll_rad;
+  const py::gil_scoped_release release;
+  return flies::load_calibration(path, request);
+}
+
+void bind_calibration(py::module_& module) {
+  using flies::Calibration;
+  py::class_<Calibration>(module, "Calibration", "What was understood of a calibration file; see `load_calibration`.")
+      .def_readonly("camera", &Calibration::camera, "The camera after rectification: a StereoCamera.")
+      .def_readonly("format", &Calibration::format, "Name of the file's format.")
+      .def_readonly("notes", &Calibration::notes, "Sentences on what was ignored or assumed.")
+      .def_property_readonly(
+          "is_raw", [](const Calibration& c) { return c.rectifier.has_value(); },
+          "True: images are raw and must go through `rectify` first.")
+      .def("rectify", &rectify, "left"_a, "right"_a,
+           "Rectified copies of a pair, (left, right): uint8, shape (height, width). Plain copies when the\n"
+           "calibration is of rectified images. Raises InputError when the size is not the calibration's.")
+      .def("__repr__", [](const Calibration& c) {
+        return fmt::format("<flies.Calibration {}, {}>", c.format, c.rectifier ? "raw images" : "rectified images");
+      });
+  module.def(
+      "load_calibration", &load_calibration, "path"_a, py::kw_only(), "right_path"_a = "", "cameras"_a = py::none(),
+      "width_px"_a = 0, "height_px"_a = 0, "calibrated_size_px"_a = py::none(), "camera_height_m"_a = py::none(),
+      "camera_pitch_rad"_a = py::none(), "camera_roll_rad"_a = py::none(),
+      "Reads a calibration: KITTI, OpenCV (rectified or raw), ROS camera_info, Middlebury or plain YAML, which is\n"
+      "recognised from the content. `cameras`: of a KITTI file, (left, right). `width_px`, `height_px`: of the\n"
+      "images, where the file does not say or was made at another scale. `calibrated_size_px`: (width, height)\n"
+      "that a file without one is for. The mount (metres, radians) overrules the file's.\n"
+      "Raises InputError naming file and key.");
+}
+
+}  // namespace
+
+void bind_camera(py::module_& module) {
+  bind_stereo_camera(module);
+  bind_calibration(module);
+  module.def(
+      "load_pair",
+      [](const std::string& left, const std::string& right) {
+        flies::GrayPair pair;
+        {
+          const py::gil_scoped_release release;
+          pair = flies::load_pair(left, right);
+        }
+        return py::make_tuple(as_array(std::move(pair.left)), as_array(std::move(pair.right)));
+      },
+      "left"_a, "right"_a,
+      "Reads two images (PNG, JPEG, PGM, PPM, TIFF; colour or grey, 8 or 16 bits) as grey:\n"
+      "(left, right), uint8, shape (height, width). Raises InputError naming the file.");
+  module.def(
+      "find_pairs",
+      [](const std::string& left, const std::string& right) {
+        std::vector<std::pair<std::string, std::string>> pairs;
+        for (auto& paths : flies::find_pairs(left, right))
+          pairs.emplace_back(std::move(paths.left), std::move(paths.right));
+        return pairs;
+      },
+      "left"_a, "right"_a,
+      "The images of two folders as pairs of paths in name order, in which numbers count as numbers; two files are\n"
+      "one pair. Raises InputError when they do not pair up.");
+}

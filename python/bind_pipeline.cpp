@@ -1,0 +1,192 @@
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "flies/core/error.hpp"
+#include "flies/pipeline/engine.hpp"
+#include "images.hpp"
+#include "module.hpp"
+#include "options.hpp"
+
+namespace py = pybind11;
+using py::literals::operator""_a;
+
+namespace {
+
+constexpr const char* kMakeDoc =
+    "`preset`: \"default\" (works best) or \"paper\" (as published). `options`: a dict such as\n"
+    "{\"evolve.flies\": 3000, \"threads\": 2}, names as `options()` lists them; `ego.` and `track.` are those of\n"
+    "following. `model` of people: a name that `flies info` lists or a file; None: the preset's; \"\": nobody is "
+    "looked\n"
+    "for. Raises InputError when the camera or an option is out of range.";
+
+std::shared_ptr<const flies::PeopleClassifier> classifier_of(const std::string& preset,
+                                                             const std::optional<std::string>& model) {
+  if (model) return model->empty() ? nullptr : flies::people_classifier(*model);
+  if (preset == flies::enum_name(flies::Preset::paper)) return flies::people_classifier("flies-48x96-linear");
+  return flies::default_people_classifier();
+}
+
+/// One call at a time, whatever threads Python has: the others wait, without the interpreter's lock.
+template <class T>
+struct OneCallAtATime {
+  T object;
+  std::mutex mutex;
+
+  template <class... Arguments>
+  explicit OneCallAtATime(Arguments&&... arguments) : object(std::forward<Arguments>(arguments)...) {}
+};
+using SharedDetector = OneCallAtATime<flies::Detector>;
+using SharedTracker = OneCallAtATime<flies::Tracker>;
+
+void bind_detector(py::module_& module) {
+  py::class_<SharedDetector>(
+      module, "Detector",
+      "Finds obstacles and pedestrians in rectified pairs of one camera. Steers by the pair before, so give it\n"
+      "the pairs of a sequence in order, and each camera its own. May be called from several threads: one waits\n"
+      "for the other.")
+      .def(py::init([](const flies::StereoCamera& camera, const py::dict& options, const std::string& preset,
+                       const std::optional<std::string>& model) {
+             const auto all = python_options(preset, options, false);
+             const py::gil_scoped_release release;
+             return std::make_unique<SharedDetector>(camera, all.detector, classifier_of(preset, model));
+           }),
+           "camera"_a, "options"_a = py::dict(), "preset"_a = "default", "model"_a = py::none(), kMakeDoc)
+      .def(
+          "process",
+          [](SharedDetector& self, const py::object& left, const py::object& right) {
+            const flies::RectifiedPair pair = pair_view(left, right);
+            const py::gil_scoped_release release;
+            const std::lock_guard lock(self.mutex);
+            return std::make_shared<flies::Detection>(self.object.process(pair));
+          },
+          "left"_a, "right"_a,
+          "A rectified pair, uint8 arrays of shape (height, width), not copied; rows may lie apart, so halves of a\n"
+          "side-by-side picture will do. Other threads run meanwhile; do not write to the images until it returns.\n"
+          "Returns a Detection. Raises InputError when the images do not fit the camera.");
+}
+
+void bind_tracker(py::module_& module) {
+  py::class_<SharedTracker>(module, "Tracker",
+                            "Follows things through the pairs of one camera: its own motion, detection, tracks. May be "
+                            "called from\nseveral threads: one waits for the other.")
+      .def(py::init([](const flies::StereoCamera& camera, const py::dict& options, const std::string& preset,
+                       const std::optional<std::string>& model) {
+             const auto all = python_options(preset, options, true);
+             const py::gil_scoped_release release;
+             return std::make_unique<SharedTracker>(camera, all.detector, all.following, classifier_of(preset, model));
+           }),
+           "camera"_a, "options"_a = py::dict(), "preset"_a = "default", "model"_a = py::none(), kMakeDoc)
+      .def(
+          "process",
+          [](SharedTracker& self, const py::object& left, const py::object& right, double time_s) {
+            const flies::RectifiedPair pair = pair_view(left, right);
+            const py::gil_scoped_release release;
+            const std::lock_guard lock(self.mutex);
+            return std::make_shared<flies::Tracking>(self.object.process(pair, time_s));
+          },
+          "left"_a, "right"_a, "time_s"_a,
+          "A rectified pair as for Detector.process, and its time in seconds, later than that of the one before.\n"
+          "Returns a Tracking. Raises InputError when images do not fit or time does not advance.");
+}
+
+std::shared_ptr<flies::Tracking> tracking_of(const std::shared_ptr<flies::Snapshot>& snapshot) {
+  return {snapshot, &snapshot->tracking};
+}
+
+void bind_snapshot(py::module_& module) {
+  using flies::Snapshot;
+  py::class_<Snapshot, std::shared_ptr<Snapshot>>(module, "Snapshot",
+                                                  "What an engine knows at a moment; it never changes.")
+      .def_property_readonly("tracking", &tracking_of, "After the newest pair that is done: a Tracking.")
+      .def_readonly("number", &Snapshot::number, "Counts the pairs that are done, from 1; 0: none is yet.")
+      .def_readonly("submitted", &Snapshot::submitted, "Pairs so far.")
+      .def_readonly("dropped", &Snapshot::dropped, "Pairs that were overtaken by a newer one.")
+      .def_readonly("latency_ms", &Snapshot::latency_ms, "From `submit` of this pair to its result, milliseconds.")
+      .def_readonly("error", &Snapshot::error, "Why the newest pair could not be used; \"\": it could.")
+      .def_property_readonly("age_s", &Snapshot::age_s, "Time since this pair was submitted, seconds.")
+      .def("__repr__", [](const Snapshot& s) {
+        return fmt::format("<flies.Snapshot {}, {} tracks, {} of {} pairs dropped>", s.number, s.tracking.tracks.size(),
+                           s.dropped, s.submitted);
+      });
+}
+
+std::chrono::milliseconds timeout_of(double timeout_s) {
+  constexpr double kMost_s = 1e6;
+  if (!(timeout_s >= 0.0 && timeout_s <= kMost_s))
+    throw flies::InputError("wait", "timeout_s", fmt::format("found {}, expected 0..{}", timeout_s, kMost_s));
+  return std::chrono::milliseconds(std::llround(timeout_s * 1e3));
+}
+
+void bind_engine(py::module_& module) {
+  using flies::Engine;
+  using flies::Snapshot;
+  py::class_<Engine>(
+      module, "Engine",
+      "A tracker with a thread of its own, for a living camera: pairs go in whenever they come, the newest result is\n"
+      "read whenever it is wanted. A pair that was overtaken before its turn is dropped and counted. All members may "
+      "be\n"
+      "called from any threads.")
+      .def(py::init([](const flies::StereoCamera& camera, const py::dict& options, const std::string& preset,
+                       const std::optional<std::string>& model) {
+             const auto all = python_options(preset, options, true);
+             const py::gil_scoped_release release;
+             return std::make_unique<Engine>(camera, all.detector, all.following, classifier_of(preset, model));
+           }),
+           "camera"_a, "options"_a = py::dict(), "preset"_a = "default", "model"_a = py::none(), kMakeDoc)
+      .def(
+          "submit",
+          [](Engine& self, const py::object& left, const py::object& right, double time_s) {
+            const flies::RectifiedPair pair = pair_view(left, right);
+            const py::gil_scoped_release release;
+            self.submit(pair, time_s);
+          },
+          "left"_a, "right"_a, "time_s"_a,
+          "Hands over a rectified pair as for Tracker.process; it is copied, and the call returns at once. Raises\n"
+          "InputError when images do not fit or time does not advance.")
+      .def(
+          "snapshot", [](const Engine& self) { return std::const_pointer_cast<Snapshot>(self.snapshot()); },
+          "The newest result, at once: a Snapshot.")
+      .def(
+          "wait",
+          [](const Engine& self, std::uint64_t after, double timeout_s) {
+            const auto timeout = timeout_of(timeout_s);
+            const py::gil_scoped_release release;
+            return std::const_pointer_cast<Snapshot>(self.wait(after, timeout));
+          },
+          "after"_a, "timeout_s"_a = 1.0,
+          "Waits for a result newer than number `after`, up to `timeout_s` seconds. Returns it, or the newest there "
+          "is.");
+}
+
+template <class Options>
+void list_into(py::list& list, const Options& options) {
+  for (const auto& option : flies::list_options(options))
+    list.append(py::make_tuple(option.path, option.value, option.allowed, option.meaning));
+}
+
+}  // namespace
+
+void bind_pipeline(py::module_& module) {
+  bind_detector(module);
+  bind_tracker(module);
+  bind_snapshot(module);
+  bind_engine(module);
+  module.def(
+      "options",
+      [](const std::string& preset) {
+        py::list list;
+        list_into(list, flies::preset_options(flies::preset_named(preset, "preset")));
+        list_into(list, flies::TrackerOptions{});
+        return list;
+      },
+      "preset"_a = "default",
+      "Every option of the method and of following: a list of (name, value, what is allowed, meaning), all str.");
+}

@@ -1,0 +1,151 @@
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "flies/core/results.hpp"
+#include "flies/pipeline/detector.hpp"
+#include "module.hpp"
+
+namespace py = pybind11;
+
+namespace {
+
+/// Rows of the arrays; docs are those of the fields of the objects.
+struct ObstacleRow {
+  double x_m, y_m, range_m, width_m, middle_offset_m, depth_m, height_m, ground_z_m, score;
+  double u_px, v_px, width_px, height_px;
+};
+struct PedestrianRow {
+  double x_m, y_m, range_m, height_m, probability;
+  double u_px, v_px, width_px, height_px;
+};
+
+ObstacleRow row_of(const flies::Obstacle& o) {
+  return {o.x_m,        o.y_m,   o.range_m,  o.width_m,  o.middle_offset_m, o.depth_m,      o.height_m,
+          o.ground_z_m, o.score, o.box.u_px, o.box.v_px, o.box.width_px,    o.box.height_px};
+}
+PedestrianRow row_of(const flies::Pedestrian& p) {
+  return {p.x_m, p.y_m, p.range_m, p.height_m, p.probability, p.box.u_px, p.box.v_px, p.box.width_px, p.box.height_px};
+}
+
+template <class Row, class Item>
+py::array rows_of(const std::vector<Item>& items) {
+  py::array_t<Row> rows(static_cast<py::ssize_t>(items.size()));
+  for (std::size_t i = 0; i < items.size(); ++i) rows.mutable_data()[i] = row_of(items[i]);
+  return rows;
+}
+
+py::array_t<float> flies_of(const flies::Detection& detection) {
+  const auto& flies = detection.evolved.flies;
+  py::array_t<float> points({static_cast<py::ssize_t>(flies.size()), py::ssize_t{4}});
+  auto at = points.mutable_unchecked<2>();
+  for (std::size_t i = 0; i < flies.size(); ++i) {
+    const auto row = static_cast<py::ssize_t>(i);
+    at(row, 0) = flies.x_m[i];
+    at(row, 1) = flies.y_m[i];
+    at(row, 2) = flies.z_m[i];
+    at(row, 3) = flies.fitness[i];
+  }
+  return points;
+}
+
+py::dict times_of(const flies::Detection& detection) {
+  py::dict times;
+  for (std::size_t i = 0; i < flies::kStageCount; ++i)
+    times[py::str(std::string(flies::kStageNames[i]))] = detection.stage_ms[i];
+  return times;
+}
+
+void bind_box(py::module_& module) {
+  using flies::ImageBox;
+  py::class_<ImageBox>(module, "ImageBox",
+                       "A box in the left image, pixels; (u_px, v_px) is its top-left corner. It may reach beyond the "
+                       "image.")
+      .def_readonly("u_px", &ImageBox::u_px, "Left edge, pixels to the right.")
+      .def_readonly("v_px", &ImageBox::v_px, "Upper edge, pixels down.")
+      .def_readonly("width_px", &ImageBox::width_px, "Pixels.")
+      .def_readonly("height_px", &ImageBox::height_px, "Pixels.")
+      .def("__repr__", [](const ImageBox& b) {
+        return fmt::format("<flies.ImageBox u {:.1f} v {:.1f}, {:.1f} x {:.1f} px>", b.u_px, b.v_px, b.width_px,
+                           b.height_px);
+      });
+}
+
+void bind_obstacle(py::module_& module) {
+  using flies::Obstacle;
+  py::class_<Obstacle>(module, "Obstacle",
+                       "Something that stands on the ground ahead. Vehicle frame: x forward, y left, metres, origin on "
+                       "the ground\nbelow the left camera. Its position is on its near face.")
+      .def_readonly("x_m", &Obstacle::x_m, "Forward, metres.")
+      .def_readonly("y_m", &Obstacle::y_m, "To the left, metres.")
+      .def_readonly("range_m", &Obstacle::range_m, "Horizontal distance, metres.")
+      .def_readonly("width_m", &Obstacle::width_m, "Across the line of sight, metres.")
+      .def_readonly("middle_offset_m", &Obstacle::middle_offset_m,
+                    "Of the middle of its width from its position, across the line of sight, to the left, metres.")
+      .def_readonly("depth_m", &Obstacle::depth_m, "Seen along the line of sight, metres; 0: only its face is seen.")
+      .def_readonly("height_m", &Obstacle::height_m, "Of its top above the road, metres.")
+      .def_readonly("ground_z_m", &Obstacle::ground_z_m, "Height of the road under it, metres.")
+      .def_readonly("score", &Obstacle::score, "Summed fitness of its flies; comparable for equal options.")
+      .def_readonly("box", &Obstacle::box, "In the left image: an ImageBox.")
+      .def("__repr__", [](const Obstacle& o) {
+        return fmt::format("<flies.Obstacle {:.2f} m ahead, {:.2f} m to the left, {:.2f} m wide>", o.x_m, o.y_m,
+                           o.width_m);
+      });
+}
+
+void bind_pedestrian(py::module_& module) {
+  using flies::Pedestrian;
+  py::class_<Pedestrian>(module, "Pedestrian", "A person. Vehicle frame as of Obstacle.")
+      .def_readonly("x_m", &Pedestrian::x_m, "Forward, metres.")
+      .def_readonly("y_m", &Pedestrian::y_m, "To the left, metres.")
+      .def_readonly("range_m", &Pedestrian::range_m, "Horizontal distance, metres.")
+      .def_readonly("height_m", &Pedestrian::height_m, "Head above feet, metres.")
+      .def_readonly("probability", &Pedestrian::probability, "That this is a person, 0 to 1.")
+      .def_readonly("box", &Pedestrian::box, "Tight around the person in the left image: an ImageBox.")
+      .def("__repr__", [](const Pedestrian& p) {
+        return fmt::format("<flies.Pedestrian {:.2f} m ahead, {:.2f} m to the left, probability {:.2f}>", p.x_m, p.y_m,
+                           p.probability);
+      });
+}
+
+}  // namespace
+
+void bind_results(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(ObstacleRow, x_m, y_m, range_m, width_m, middle_offset_m, depth_m, height_m, ground_z_m, score,
+                       u_px, v_px, width_px, height_px);
+  PYBIND11_NUMPY_DTYPE(PedestrianRow, x_m, y_m, range_m, height_m, probability, u_px, v_px, width_px, height_px);
+  bind_box(module);
+  bind_obstacle(module);
+  bind_pedestrian(module);
+  using flies::Detection;
+  py::class_<Detection, std::shared_ptr<Detection>>(module, "Detection", "What was found in one pair.")
+      .def_readonly("obstacles", &Detection::obstacles, "List of Obstacle, nearest first.")
+      .def_readonly("pedestrians", &Detection::pedestrians, "List of Pedestrian, nearest first.")
+      .def_readonly("scan", &Detection::scan, "The nearest obstacle in every direction: a Scan.")
+      .def_property_readonly(
+          "obstacle_array", [](const Detection& d) { return rows_of<ObstacleRow>(d.obstacles); },
+          "The obstacles as a structured array, shape (n,), with their attributes as float64 fields; the box as u_px,\n"
+          "v_px, width_px, height_px.")
+      .def_property_readonly(
+          "pedestrian_array", [](const Detection& d) { return rows_of<PedestrianRow>(d.pedestrians); },
+          "The pedestrians as a structured array, shape (n,), as `obstacle_array`.")
+      .def_property_readonly("flies", &flies_of,
+                             "The flies after the last generation, float32, shape (n, 4): x, y, z in metres, fitness.")
+      .def_property_readonly(
+          "road",
+          [](const Detection& d) {
+            return py::make_tuple(d.road.plane.height_m, d.road.plane.slope, d.road.plane.bank);
+          },
+          "The road as (height, slope, bank): z = height + slope * x + bank * y, metres.")
+      .def_property_readonly(
+          "road_found", [](const Detection& d) { return d.road.found; },
+          "False: `road` is the nominal ground, all zero.")
+      .def_property_readonly("stage_ms", &times_of, "Dict of the time each stage took, milliseconds.")
+      .def("__repr__", [](const Detection& d) {
+        return fmt::format("<flies.Detection {} obstacles, {} pedestrians>", d.obstacles.size(), d.pedestrians.size());
+      });
+}

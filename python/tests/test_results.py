@@ -1,0 +1,103 @@
+"""What comes out of a pair and of a sequence is what the program says."""
+import json
+import os
+import subprocess
+
+import numpy as np
+import pytest
+
+import flies
+
+
+def program_line(street, *words):
+    command = [os.environ["FLIES_BINARY"], *words, "--calib", "calib.yaml", "--json", "-"]
+    done = subprocess.run(command, cwd=street, capture_output=True, text=True, check=True)
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def test_obstacles_are_those_of_the_program(street, pair, camera):
+    found = flies.Detector(camera).process(*pair)
+    line = program_line(street, "detect", "left/000000.png", "right/000000.png", "--self-rectify", "off")[0]
+    assert len(found.obstacles) == len(line["obstacles"]) > 3
+    for obstacle, expected in zip(found.obstacles, line["obstacles"]):
+        for name in ("x_m", "y_m", "range_m", "width_m", "depth_m", "height_m"):
+            assert getattr(obstacle, name) == pytest.approx(expected[name], abs=0.0006)
+        assert obstacle.box.u_px == pytest.approx(expected["box"]["u_px"], abs=0.006)
+    assert len(found.pedestrians) == len(line["pedestrians"])
+
+
+def test_arrays_hold_what_the_objects_say(pair, camera):
+    found = flies.Detector(camera).process(*pair)
+    array = found.obstacle_array
+    assert array.shape == (len(found.obstacles),)
+    assert [o.x_m for o in found.obstacles] == array["x_m"].tolist()
+    assert [o.box.height_px for o in found.obstacles] == array["height_px"].tolist()
+    assert [p.probability for p in found.pedestrians] == found.pedestrian_array["probability"].tolist()
+    assert found.flies.dtype == np.float32 and found.flies.shape[1] == 4
+    assert set(found.stage_ms) == {"road", "evolve", "scan", "concentrate", "propose", "classify"}
+    assert found.road_found and abs(found.road[0]) < 0.3
+
+
+def test_scan_is_borrowed_and_outlives_its_detection(pair, camera):
+    scan = flies.Detector(camera).process(*pair).scan
+    ranges, states = scan.ranges_m, scan.states
+    size = len(scan)
+    before = ranges.copy()
+    del scan
+    assert ranges.shape == states.shape == (size,)
+    assert np.array_equal(ranges, before, equal_nan=True)
+    assert np.isfinite(ranges[states == flies.Scan.OBSTACLE]).all()
+    assert np.isnan(ranges[states != flies.Scan.OBSTACLE]).all()
+    assert (states == flies.Scan.OBSTACLE).any() and (states == flies.Scan.FREE).any()
+    with pytest.raises(ValueError):
+        ranges[0] = 1.0
+
+
+def test_free_space_starts_at_the_camera(pair, camera):
+    polygon = flies.Detector(camera).process(*pair).scan.free_space()
+    assert polygon.shape[0] > 10 and polygon.shape[1] == 2
+    assert polygon[0].tolist() == [0.0, 0.0]
+
+
+def test_tracker_follows_a_standing_camera(pair, camera):
+    tracker = flies.Tracker(camera)
+    trackings = [tracker.process(*pair, 0.1 * i) for i in range(4)]
+    assert not trackings[0].ego.is_known and trackings[-1].ego.is_known
+    assert abs(trackings[-1].ego.vx_mps) < 0.05
+    last = trackings[-1]
+    assert last.time_s == pytest.approx(0.3)
+    assert max(track.sightings for track in last.tracks) == 4
+    array = last.track_array
+    assert array["id"].tolist() == [t.id for t in last.tracks]
+    assert array["is_person"].tolist() == [t.kind == "person" for t in last.tracks]
+    covariance = last.tracks[0].covariance
+    assert covariance.shape == (4, 4) and np.allclose(covariance, covariance.T)
+
+
+def test_engine_gives_the_newest_result(pair, camera):
+    engine = flies.Engine(camera)
+    assert engine.snapshot().number == 0
+    snapshot = engine.snapshot()
+    for i in range(3):
+        engine.submit(*pair, 0.1 * i)
+        snapshot = engine.wait(snapshot.number, timeout_s=20.0)
+    assert snapshot.number == snapshot.submitted == 3 and snapshot.dropped == 0
+    assert snapshot.error == "" and snapshot.latency_ms > 0 and snapshot.age_s > 0
+    tracking = snapshot.tracking
+    del snapshot, engine
+    assert tracking.tracks and tracking.detection.obstacles
+
+
+def test_options_are_used(pair, camera):
+    few = flies.Detector(camera, {"evolve": {"flies": 500}})
+    assert few.process(*pair).flies.shape == (500, 4)
+    nobody = flies.Detector(camera, model="")
+    assert nobody.process(*pair).pedestrians == []
+
+
+def test_options_are_listed_with_their_values():
+    options = {name: (value, allowed, meaning) for name, value, allowed, meaning in flies.options()}
+    assert options["seed"][0] == "1"
+    assert "track.gate" in options and "ego.corners" in options
+    paper = {name: value for name, value, _, _ in flies.options("paper")}
+    assert paper["evolve.flies"] == "3000"

@@ -1,0 +1,48 @@
+"""Other threads run while the library works."""
+import threading
+import time
+
+import numpy as np
+
+import flies
+
+
+def test_interpreter_goes_on_while_the_engine_waits(camera):
+    engine = flies.Engine(camera)
+    waiting = threading.Thread(target=lambda: engine.wait(0, timeout_s=1.0))
+    waiting.start()
+    start = time.monotonic()
+    while time.monotonic() - start < 0.2:
+        pass
+    assert waiting.is_alive()  # were the lock held, the loop would have begun after the wait
+    waiting.join()
+
+
+def test_interpreter_goes_on_while_a_pair_is_processed(pair, camera):
+    # A slow detector; the counter could not run if it held the interpreter's lock.
+    detector = flies.Detector(camera, {"evolve.flies": 200000, "evolve.generations": 20})
+    done = threading.Event()
+    seen = []
+
+    def work():
+        detector.process(*pair)
+        done.set()
+
+    worker = threading.Thread(target=work)
+    worker.start()
+    while not done.is_set():
+        seen.append(time.monotonic())
+        time.sleep(0.001)
+    worker.join()
+    assert len(seen) > 20 and max(np.diff(seen)) < 0.5 * (seen[-1] - seen[0])
+
+
+def test_one_detector_serves_threads_one_after_the_other(pair, camera):
+    detector = flies.Detector(camera)
+    counts = []
+    workers = [threading.Thread(target=lambda: counts.append(len(detector.process(*pair).obstacles))) for _ in range(8)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    assert len(counts) == 8 and min(counts) > 3

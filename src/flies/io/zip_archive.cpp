@@ -1,0 +1,81 @@
+#include "flies/io/zip_archive.hpp"
+
+#include <array>
+#include <cassert>
+#include <limits>
+
+namespace flies {
+namespace {
+
+constexpr std::array<std::uint32_t, 256> kCrcTable = [] {
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t i = 0; i < table.size(); ++i) {
+    std::uint32_t value = i;
+    for (int bit = 0; bit < 8; ++bit) value = (value & 1U) != 0U ? 0xEDB88320U ^ (value >> 1U) : value >> 1U;
+    table[i] = value;
+  }
+  return table;
+}();
+
+constexpr std::uint16_t kVersion = 20, kUtf8Names = 0x0800, kStored = 0, kFirstOf1980 = 0x0021;
+
+void put(std::string& out, std::uint64_t value, int bytes) {
+  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFFU));
+}
+
+/// What the header before a file and its line in the directory share.
+void put_description(std::string& out, const ZipEntry& entry) {
+  put(out, kVersion, 2);
+  put(out, kUtf8Names, 2);
+  put(out, kStored, 2);
+  put(out, 0, 2);  // midnight
+  put(out, kFirstOf1980, 2);
+  put(out, crc32(entry.bytes), 4);
+  put(out, entry.bytes.size(), 4);
+  put(out, entry.bytes.size(), 4);
+  put(out, entry.name.size(), 2);
+  put(out, 0, 2);  // no extra field
+}
+
+}  // namespace
+
+std::uint32_t crc32(std::string_view bytes, std::uint32_t seed) {
+  std::uint32_t value = ~seed;
+  for (const char byte : bytes) value = kCrcTable[(value ^ static_cast<unsigned char>(byte)) & 0xFFU] ^ (value >> 8U);
+  return ~value;
+}
+
+std::string zip_archive(std::span<const ZipEntry> entries) {
+  std::string archive, directory;
+  for (const auto& entry : entries) {
+    const std::size_t offset = archive.size();
+    put(archive, 0x04034B50, 4);
+    put_description(archive, entry);
+    archive += entry.name;
+    archive += entry.bytes;
+
+    put(directory, 0x02014B50, 4);
+    put(directory, kVersion, 2);
+    put_description(directory, entry);
+    put(directory, 0, 2);  // no comment
+    put(directory, 0, 2);  // the only disk
+    put(directory, 0, 2);  // no text known as such
+    put(directory, 0, 4);  // no attributes
+    put(directory, offset, 4);
+    directory += entry.name;
+  }
+  assert(archive.size() < std::numeric_limits<std::uint32_t>::max());
+  const std::size_t offset = archive.size();
+  archive += directory;
+  put(archive, 0x06054B50, 4);
+  put(archive, 0, 2);
+  put(archive, 0, 2);
+  put(archive, entries.size(), 2);
+  put(archive, entries.size(), 2);
+  put(archive, directory.size(), 4);
+  put(archive, offset, 4);
+  put(archive, 0, 2);
+  return archive;
+}
+
+}  // namespace flies

@@ -1,0 +1,135 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "flies/core/error.hpp"
+#include "flies/io/temporary_folder.hpp"
+#include "flies/record/mcap_reader.hpp"
+#include "flies/record/mcap_writer.hpp"
+
+namespace flies {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr std::uint64_t kSecond_ns = 1000000000;
+
+std::vector<McapMessage> messages_of(const std::string& path, bool* is_whole = nullptr) {
+  McapReader reader(path);
+  std::vector<McapMessage> messages;
+  while (auto message = reader.next()) messages.push_back(std::move(*message));
+  if (is_whole != nullptr) *is_whole = reader.is_whole();
+  return messages;
+}
+
+void write_some(const std::string& path, int count) {
+  McapWriter writer(path, {{"/a", "test.A", R"({"type":"object"})"}, {"/b", "test.B", "{}"}});
+  for (int i = 0; i < count; ++i)
+    writer.write(static_cast<std::size_t>(i % 2), static_cast<std::uint64_t>(i) * kSecond_ns / 4,
+                 "{\"n\":" + std::to_string(i) + "}");
+  writer.close();
+}
+
+TEST(Mcap, ReadsWhatWasWritten) {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder.file("t.mcap");
+  write_some(path, 21);
+  bool is_whole = false;
+  const auto messages = messages_of(path, &is_whole);
+  ASSERT_EQ(messages.size(), 21U);
+  EXPECT_TRUE(is_whole);
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    EXPECT_EQ(messages[i].topic, i % 2 == 0 ? "/a" : "/b");
+    EXPECT_EQ(messages[i].schema_name, i % 2 == 0 ? "test.A" : "test.B");
+    EXPECT_EQ(messages[i].encoding, "json");
+    EXPECT_EQ(messages[i].time_ns, i * kSecond_ns / 4);
+    EXPECT_EQ(messages[i].data, "{\"n\":" + std::to_string(i) + "}");
+  }
+}
+
+TEST(Mcap, MessagesAreFoundAgainInAnyOrder) {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder.file("t.mcap");
+  write_some(path, 30);
+  McapReader reader(path);
+  std::vector<McapMessage> messages;
+  while (auto message = reader.next()) {
+    messages.push_back(*message);
+    EXPECT_EQ(reader.at(messages.front().place).data, messages.front().data);  // does not disturb `next`
+  }
+  ASSERT_EQ(messages.size(), 30U);
+  for (const std::size_t i : {29U, 0U, 13U, 14U, 5U}) {
+    EXPECT_EQ(reader.at(messages[i].place).data, messages[i].data);
+    EXPECT_EQ(reader.at(messages[i].place).topic, messages[i].topic);
+  }
+}
+
+TEST(Mcap, NoMessagesAreARecordingToo) {
+  const testing::TemporaryFolder folder;
+  write_some(folder.file("t.mcap"), 0);
+  EXPECT_TRUE(messages_of(folder.file("t.mcap")).empty());
+}
+
+TEST(Mcap, CutOffFileIsReadToItsLastWholeChunk) {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder.file("t.mcap");
+  write_some(path, 40);
+  const auto size = std::filesystem::file_size(path);
+  std::size_t most = 0, fewest = 40;
+  for (auto cut = size; cut > 8; cut -= 7) {
+    std::filesystem::resize_file(path, cut);
+    bool is_whole = true;
+    const auto messages = messages_of(path, &is_whole);
+    for (std::size_t i = 0; i < messages.size(); ++i) ASSERT_EQ(messages[i].data, "{\"n\":" + std::to_string(i) + "}");
+    most = std::max(most, messages.size());
+    fewest = std::min(fewest, messages.size());
+    if (messages.size() < 40) {
+      EXPECT_FALSE(is_whole);
+    }
+  }
+  EXPECT_EQ(most, 40U);
+  EXPECT_EQ(fewest, 0U);
+}
+
+TEST(Mcap, DamagedFilesAreToldOrReadInPart) {
+  const testing::TemporaryFolder folder;
+  write_some(folder.file("t.mcap"), 10);
+  const std::string good = testing::read_all(folder.file("t.mcap"));
+  int told = 0;
+  for (std::size_t i = 0; i < good.size(); i += 3) {
+    std::string bad = good;
+    bad[i] = static_cast<char>(bad[i] ^ 0x55);
+    const std::string path = folder.write("bad.mcap", bad);
+    try {
+      messages_of(path);
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("bad.mcap: "));
+      ++told;
+    }
+  }
+  EXPECT_GT(told, 10);
+}
+
+TEST(Mcap, OtherFilesAreRefused) {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder.write("t.mcap", "no recording at all");
+  EXPECT_THAT([&] { McapReader{path}; }, ThrowsMessage<InputError>(HasSubstr("t.mcap: is no MCAP recording")));
+  EXPECT_THAT([&] { McapReader{folder.file("absent.mcap")}; }, ThrowsMessage<InputError>(HasSubstr("cannot be read")));
+  EXPECT_THAT([&] { McapWriter(folder.file("no/t.mcap"), {}); }, ThrowsMessage<InputError>(HasSubstr("cannot write")));
+}
+
+TEST(Mcap, FullDiskIsTold) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+  EXPECT_THAT(
+      [] {
+        McapWriter("/dev/full", {{"/a", "A", "{}"}});
+      },
+      ThrowsMessage<InputError>(HasSubstr("/dev/full: cannot write")));
+}
+
+}  // namespace
+}  // namespace flies

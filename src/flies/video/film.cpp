@@ -1,0 +1,63 @@
+#include "flies/video/film.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "flies/core/error.hpp"
+#include "flies/io/unfinished_outputs.hpp"
+#include "flies/video/lazy_module.hpp"
+
+namespace fs = std::filesystem;
+
+namespace flies {
+
+Film::Film(const std::string& path, double rate_hz) : path_(path), rate_hz_(rate_hz) {
+  if (fs::path(path).extension() != ".mp4")
+    throw InputError(path, "", "has another ending, expected .mp4: that is the kind of film that is written");
+  if (!(rate_hz > 0.0))
+    throw InputError(path, "rate", fmt::format("found {} pictures a second, expected more", rate_hz));
+  std::error_code error;
+  if (fs::is_directory(path, error)) throw InputError(path, "", "is a folder, expected a file to write");
+  const fs::path folder = fs::absolute(path, error).parent_path();
+  if (!fs::is_directory(folder, error)) throw InputError(path, "", "cannot be written: its folder does not exist");
+  if (::access(folder.c_str(), W_OK) != 0)
+    throw InputError(path, "", fmt::format("cannot be written: {}", std::strerror(errno)));
+  part_path_ = fmt::format("{}.part-{}.mp4", path, ::getpid());
+}
+
+Film::~Film() {
+  encoder_.reset();
+  if (size_.empty()) return;
+  ::unlink(part_path_.c_str());
+  forget_unfinished_output(part_path_);
+}
+
+void Film::add(const cv::Mat& picture) {
+  const cv::Size even(picture.cols / 2 * 2, picture.rows / 2 * 2);
+  if (!encoder_) {
+    const auto open = reinterpret_cast<OpenFilmFunction>(module_function("flies_video", kOpenFilmName));
+    note_unfinished_output(part_path_);
+    size_ = even;
+    encoder_.reset(open(part_path_, rate_hz_, size_));
+    if (!encoder_) throw InputError(path_, "", "cannot be written as a film; does OpenCV's videoio have FFmpeg here?");
+  }
+  if (even != size_)
+    throw InputError(path_, "",
+                     fmt::format("found a picture of {} x {} px after ones of {} x {} px", picture.cols, picture.rows,
+                                 size_.width, size_.height));
+  encoder_->add(picture(cv::Rect({}, size_)));
+}
+
+void Film::commit() {
+  if (!encoder_) throw InputError(path_, "", "no picture came, so there is no film");
+  encoder_.reset();  // writes the film's index
+  if (std::rename(part_path_.c_str(), path_.c_str()) != 0)
+    throw InputError(path_, "", fmt::format("cannot be written: {}", std::strerror(errno)));
+}
+
+}  // namespace flies

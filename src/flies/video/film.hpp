@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+namespace flies {
+
+/// A film being written by OpenCV's videoio, frame by frame.
+class FilmEncoder {
+ public:
+  virtual ~FilmEncoder() = default;
+  /// @param picture CV_8UC3, BGR, of the size that was asked for
+  virtual void add(const cv::Mat& picture) = 0;
+};
+
+/// What the module `flies_video` gives: null when the film cannot be written.
+/// @param path of the file, whose ending names the kind of film
+using OpenFilmFunction = FilmEncoder* (*)(const std::string& path, double rate_hz, cv::Size size);
+inline constexpr const char* kOpenFilmName = "flies_open_film";
+
+/// An MP4 film (H.264 where FFmpeg has it, else MPEG-4) that appears under its name when it is complete; without
+/// `commit` nothing is left. The module that writes it is loaded for it.
+class Film {
+ public:
+  /// @param path   ends in .mp4
+  /// @param rate_hz pictures a second, > 0
+  /// @throws InputError naming the file when it has another ending or its folder cannot be written to
+  Film(const std::string& path, double rate_hz);
+  ~Film();
+  Film(const Film&) = delete;
+  Film& operator=(const Film&) = delete;
+
+  /// The first picture decides the film's size; a row or column too many for an even one is cut off.
+  /// @param picture CV_8UC3, BGR, at least 2 x 2 px
+  /// @throws InputError when the film cannot be written or a picture has another size than the first
+  void add(const cv::Mat& picture);
+
+  /// Call it once, last. @throws InputError when the film cannot be put in its place
+  void commit();
+
+ private:
+  std::string path_, part_path_;
+  double rate_hz_;
+  cv::Size size_;
+  std::unique_ptr<FilmEncoder> encoder_;
+};
+
+}  // namespace flies

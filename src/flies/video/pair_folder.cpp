@@ -1,0 +1,20 @@
+#include "flies/video/pair_folder.hpp"
+
+#include <utility>
+
+#include "flies/io/images.hpp"
+
+namespace flies {
+
+PairFolder::PairFolder(std::vector<PairPaths> pairs, double rate_hz) : pairs_(std::move(pairs)), rate_hz_(rate_hz) {}
+
+bool PairFolder::read(SourceFrame& frame) {
+  if (next_ >= pairs_.size()) return false;
+  const PairPaths& paths = pairs_[next_++];
+  frame.left_name = paths.left;
+  frame.right_name = paths.right;
+  frame.images = load_pair(paths.left, paths.right);
+  return true;
+}
+
+}  // namespace flies

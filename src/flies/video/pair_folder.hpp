@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "flies/io/pair_source.hpp"
+#include "flies/video/frame_stream.hpp"
+
+namespace flies {
+
+/// Pairs of image files, one after the other. A file that cannot be read is a broken frame.
+class PairFolder final : public FrameReader {
+ public:
+  /// @param rate_hz pairs a second
+  PairFolder(std::vector<PairPaths> pairs, double rate_hz);
+  bool read(SourceFrame& frame) override;
+  double rate_hz() const override { return rate_hz_; }
+
+ private:
+  std::vector<PairPaths> pairs_;
+  double rate_hz_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace flies

@@ -1,0 +1,242 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <string>
+#include <vector>
+
+#include "flies/video/toy_video.hpp"
+#include "run_flies.hpp"
+#include "street_pair.hpp"
+
+namespace fs = std::filesystem;
+
+namespace flies::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::SizeIs;
+using Words = std::vector<std::string>;
+
+void write_film(const fs::path& path, const cv::Mat& picture, int frames) {
+  cv::VideoWriter writer(path.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 20.0, picture.size());
+  writer.set(cv::VIDEOWRITER_PROP_QUALITY, 98);
+  cv::Mat color;
+  cv::cvtColor(picture, color, cv::COLOR_GRAY2BGR);
+  for (int i = 0; i < frames; ++i) writer.write(color);
+}
+
+/// A camera that stands before a street, as films and as folders.
+struct LiveCommand : ::testing::Test {
+  static constexpr int kFrames = 8;
+
+  LiveCommand() {
+    write_street(folder.path());
+    const StreetPair& pair = street_pair();
+    cv::Mat beside, below;
+    cv::hconcat(pair.left, pair.right, beside);
+    cv::vconcat(pair.left, pair.right, below);
+    write_film(folder.path() / "beside.avi", beside, kFrames);
+    write_film(folder.path() / "below.avi", below, kFrames);
+    write_film(folder.path() / "l.avi", pair.left, kFrames);
+    write_film(folder.path() / "r.avi", pair.right, kFrames);
+    for (const char* side : {"left", "right"}) {
+      fs::create_directory(folder.path() / side);
+      for (int i = 0; i < 3; ++i)
+        fs::copy_file(folder.path() / (std::string(side) + ".png"),
+                      folder.path() / side / (std::to_string(i) + ".png"));
+    }
+  }
+  RunResult run(Words words, const std::string& prefix = "") const {
+    words.insert(words.begin(), "live");
+    for (const char* word : {"--camera-height", "1.65", "--camera-pitch", "0"}) words.emplace_back(word);
+    return run_flies(folder.path(), words, prefix);
+  }
+  std::vector<json> records(const Words& words) const {
+    const RunResult result = run(words);
+    EXPECT_EQ(result.status, 0) << result.err;
+    std::vector<json> all;
+    for (const auto& line : lines(result.out)) all.push_back(json::parse(line));
+    return all;
+  }
+  TestFolder folder;
+};
+
+bool sees_the_box(const json& record) {
+  return std::ranges::any_of(record.at("tracks"), [](const json& track) {
+    return std::abs(track.at("x_m").get<double>() - kBoxX_m) < 0.6 &&
+           std::abs(track.at("y_m").get<double>() - kBoxY_m) < 0.6;
+  });
+}
+
+TEST_F(LiveCommand, FollowsAFilmOfBothPictures) {
+  const auto all = records({"beside.avi", "--calib", "calib.txt", "--every-pair", "--json", "-"});
+  ASSERT_THAT(all, SizeIs(kFrames));
+  for (int i = 0; i < kFrames; ++i) {
+    const json& record = all[static_cast<std::size_t>(i)];
+    EXPECT_EQ(record.at("frame"), i);
+    EXPECT_NEAR(record.at("time_s").get<double>(), i / 20.0, 1e-3);
+    EXPECT_GT(record.at("live").at("latency_ms").get<double>(), 0.0);
+    EXPECT_EQ(record.at("live").at("dropped"), 0);
+    EXPECT_TRUE(sees_the_box(record)) << i;
+  }
+  EXPECT_TRUE(all.back().at("ego").at("is_known").get<bool>());
+}
+
+TEST_F(LiveCommand, AllWaysToGiveTwoPicturesSeeTheSame) {
+  for (const Words& source : {Words{"below.avi", "--layout", "top-bottom"}, Words{"l.avi", "r.avi"},
+                              Words{"left", "right", "--rate", "20"}}) {
+    Words words = source;
+    for (const char* word : {"--calib", "calib.txt", "--every-pair", "--json", "-"}) words.emplace_back(word);
+    const auto all = records(words);
+    ASSERT_GE(all.size(), 3U) << source[0];
+    EXPECT_TRUE(sees_the_box(all.back())) << source[0];
+  }
+}
+
+TEST_F(LiveCommand, LoopsUntilEnoughPairs) {
+  const auto all =
+      records({"left", "right", "--calib", "calib.txt", "--rate", "50", "--loop", "--pairs", "7", "--json", "-"});
+  ASSERT_FALSE(all.empty());
+  EXPECT_EQ(all.back().at("frame"), 6);
+  EXPECT_NEAR(all.back().at("time_s").get<double>(), 6 / 50.0, 1e-6);
+  EXPECT_EQ(all.back().at("live").at("dropped").get<std::size_t>(), 7 - all.size());
+}
+
+TEST_F(LiveCommand, RecordsWhatTrackReads) {
+  // A mount that is far from the default: what is read back must have it.
+  const Words mount = {"--camera-height", "1.65", "--camera-pitch", "2", "--camera-roll", "-3", "--mount", "given"};
+  Words words = {"live", "beside.avi", "--calib", "calib.txt", "--every-pair", "--record", "r.mcap", "--json", "-"};
+  words.insert(words.end(), mount.begin(), mount.end());
+  const RunResult live = run_flies(folder.path(), words);
+  ASSERT_EQ(live.status, 0) << live.err;
+  const RunResult track = run_flies(folder.path(), {"track", "r.mcap", "--mount", "given", "--json", "-"});
+  ASSERT_EQ(track.status, 0) << track.err;
+  const auto before = lines(live.out), after = lines(track.out);
+  ASSERT_EQ(before.size(), after.size());
+  const json old_record = json::parse(before.back()), new_record = json::parse(after.back());
+  EXPECT_NEAR(new_record.at("time_s").get<double>(), old_record.at("time_s").get<double>(), 1e-6);
+  constexpr double kJpeg_m = 0.3;
+  const auto &old_first = old_record.at("obstacles").at(0), &new_first = new_record.at("obstacles").at(0);
+  for (const char* key : {"x_m", "y_m", "height_m"})
+    EXPECT_NEAR(new_first.at(key).get<double>(), old_first.at(key).get<double>(), kJpeg_m) << key;
+  const RunResult level =
+      run_flies(folder.path(), {"track", "r.mcap", "--mount", "given", "--camera-pitch", "-2", "--json", "-"});
+  EXPECT_NE(json::parse(lines(level.out).back()).at("obstacles").at(0).at("height_m"), new_first.at("height_m"));
+}
+
+TEST_F(LiveCommand, FaultsOfRecordingsAreTold) {
+  write_text(folder.path() / "text.mcap", "no recording");
+  const RunResult one = run_flies(folder.path(), {"track", "text.mcap"});
+  EXPECT_EQ(one.status, 2);
+  EXPECT_EQ(one.err, "flies: text.mcap: is no MCAP recording\n");
+  const RunResult absent = run_flies(folder.path(), {"track", "absent.mcap"});
+  EXPECT_EQ(absent.err, "flies: absent.mcap: cannot be read\n");
+  EXPECT_EQ(run({"beside.avi", "--calib", "calib.txt", "--record", "no/r.mcap"}).err,
+            "flies: no/r.mcap: cannot write: No such file or directory\n");
+  EXPECT_THAT(run({"beside.avi", "--calib", "calib.txt", "--foxglove", "1234567"}).err, HasSubstr("--foxglove"));
+  EXPECT_THAT(run({"beside.avi", "--calib", "calib.txt", "--foxglove", "0", "--foxglove-address", "here"}).err,
+              HasSubstr("here:0: is no IP address"));
+  EXPECT_THAT(run({"beside.avi", "--calib", "calib.txt", "--view", "0", "--view-address", "192.0.2.1"}).err,
+              HasSubstr("192.0.2.1:0: cannot be listened at"));
+}
+
+TEST_F(LiveCommand, InterruptEndsCleanly) {
+  for (const char* signal : {"INT", "TERM"}) {
+    const RunResult result = run({"beside.avi", "--calib", "calib.txt", "--loop", "--json", "out.jsonl"},
+                                 std::string("timeout --preserve-status -s ") + signal + " 3");
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("pairs, "));
+    const std::string text = read_text(folder.path() / "out.jsonl");
+    ASSERT_FALSE(text.empty());
+    EXPECT_EQ(text.back(), '\n');
+    for (const auto& line : lines(text)) EXPECT_TRUE(json::accept(line));
+  }
+}
+
+TEST_F(LiveCommand, PrintsATableWithoutOutputs) {
+  const RunResult result = run({"beside.avi", "--calib", "calib.txt", "--every-pair"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.out, HasSubstr("camera "));
+  EXPECT_THAT(result.err, HasSubstr("8 pairs, "));
+}
+
+TEST_F(LiveCommand, DamagedPictureIsToldOnceAndLeftOut) {
+  write_text(folder.path() / "left" / "1.png", "damaged");
+  const RunResult result = run({"left", "right", "--calib", "calib.txt", "--rate", "20", "--every-pair", "--loop",
+                                "--pairs", "6", "--json", "-"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(lines(result.out), SizeIs(6));
+  const auto told = lines(result.err);
+  EXPECT_EQ(std::ranges::count_if(told, [](const auto& line) { return line.find("left/1.png") != line.npos; }), 1);
+  EXPECT_THAT(result.err, HasSubstr("broken pictures: "));
+}
+
+TEST_F(LiveCommand, PipelineThatEndsIsStartedAgain) {
+  if (!has_gstreamer()) GTEST_SKIP() << "GStreamer's test sources are not there";
+  const RunResult result =
+      run({"filesrc location=beside.avi ! avidemux ! jpegdec", "--calib", "calib.txt", "--pairs", "20", "--json", "-"});
+  if (result.status == 2) GTEST_SKIP() << "GStreamer's good plugins are not there: " << result.err;
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("gives no more pictures; trying again"));
+  EXPECT_THAT(result.err, HasSubstr("is back"));
+  EXPECT_EQ(json::parse(lines(result.out).back()).at("frame"), 19);
+}
+
+TEST_F(LiveCommand, UnrelatedPicturesAreRefused) {
+  cv::Mat beside;
+  cv::hconcat(street_pair().left, unrelated_picture(), beside);
+  write_film(folder.path() / "unrelated.avi", beside, 3);
+  const RunResult result = run({"unrelated.avi", "--calib", "calib.txt", "--json", "-"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(lines(result.err), SizeIs(1));
+}
+
+TEST_F(LiveCommand, FaultsAreToldInOneLine) {
+  write_text(folder.path() / "text.avi", "no film");
+  write_film(folder.path() / "odd.avi", cv::Mat(240, 322 * 2, CV_8UC1, cv::Scalar(9)), 2);
+  const std::vector<std::pair<Words, std::string>> faults = {
+      {{"absent.avi", "--calib", "calib.txt"}, "absent.avi: does not exist"},
+      {{"text.avi", "--calib", "calib.txt"}, "text.avi: cannot be read as a film"},
+      {{"/dev/video987", "--calib", "calib.txt"}, "/dev/video987: no camera"},
+      {{"beside.avi"}, "--calib"},
+      {{"beside.avi", "--calib", "absent.txt"}, "absent.txt: does not exist"},
+      {{"beside.avi", "--calib", "calib.txt", "--layout", "side"}, "--layout: found 'side', expected side-by-side"},
+      {{"beside.avi", "--calib", "calib.txt", "--lop"}, "did you mean --loop?"},
+      {{"beside.avi", "--calib", "calib.txt", "--pairs", "0"}, "--pairs"},
+      {{"beside.avi", "--calib", "calib.txt", "--json", "no/such/folder.jsonl"}, "no/such/folder.jsonl: cannot write"},
+      {{"left", "beside.avi", "--calib", "calib.txt"}, "beside.avi"},
+  };
+  for (const auto& [words, expected] : faults) {
+    const RunResult result = run(words);
+    EXPECT_EQ(result.status, 2) << expected << result.err;
+    EXPECT_THAT(lines(result.err), SizeIs(1));
+    EXPECT_THAT(result.err, HasSubstr(expected));
+  }
+}
+
+TEST_F(LiveCommand, FullDiskEndsTheRun) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+  const RunResult result = run({"beside.avi", "--calib", "calib.txt", "--loop", "--json", "/dev/full"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("/dev/full: cannot write"));
+}
+
+TEST(LiveModules, OtherCommandsDoNotLoadThem) {
+  const TestFolder folder;
+  const RunResult result = run_flies(folder.path(), {"--version"}, "LD_TRACE_LOADED_OBJECTS=1");
+  EXPECT_THAT(result.out, HasSubstr("libopencv_core"));
+  for (const char* library : {"avcodec", "libgst", "videoio", "httplib"})
+    EXPECT_THAT(result.out, Not(HasSubstr(library)));
+}
+
+}  // namespace
+}  // namespace flies::testing

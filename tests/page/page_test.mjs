@@ -1,0 +1,232 @@
+// page_test.mjs FLIES WORK: the page in headless Chromium; screenshots stay in WORK. Exit status 77: skipped.
+import assert from "node:assert/strict";
+import { spawn, spawnSync } from "node:child_process";
+import { existsSync, mkdirSync, readFileSync, rmSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+
+const [flies, work] = process.argv.slice(2);
+
+function skip(reason) {
+  console.log(`SKIP_ ${reason}`);
+  process.exit(77);
+}
+
+const browserPath = ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find(existsSync);
+if (!browserPath) skip("there is no chromium");
+let chromium;
+try {
+  const require = createRequire(join(process.env.FLIES_NODE_MODULES, "..", "x.js"));
+  ({ chromium } = require("playwright-core"));
+} catch {
+  skip("there is no playwright-core; scripts/install-node-tools installs it");
+}
+
+rmSync(work, { recursive: true, force: true });
+mkdirSync(work, { recursive: true });
+
+function painted() {
+  const words = ["synth", "street", "--sequence", "--seed", "3", "--frames", "12", "--width_px", "640", "--height_px", "240",
+    "--focal_px", "400"];
+  assert.equal(spawnSync(flies, words, { cwd: work }).status, 0);
+}
+
+/** Starts the program and waits until it says where its page is. */
+function start(port, more = []) {
+  const words = ["live", "street/left", "street/right", "--calib", "street/calib.yaml", "--loop", "--rate", "10",
+    "--view", String(port), "--json", "out.jsonl", ...more];
+  const child = spawn(flies, words, { cwd: work, stdio: ["ignore", "ignore", "pipe"] });
+  const ended = new Promise((resolve) => child.on("exit", (code) => resolve(code)));
+  return new Promise((resolve, reject) => {
+    let text = "";
+    child.stderr.on("data", (data) => {
+      text += data;
+      const address = /page at (\S+)/.exec(text)?.[1];
+      if (address) resolve({ child, ended, address, said: () => text });
+    });
+    ended.then((code) => reject(new Error(`flies ended with ${code}: ${text}`)));
+  });
+}
+
+async function stop(run) {
+  run.child.kill("SIGINT");
+  assert.equal(await run.ended, 0, "SIGINT ends cleanly");
+}
+
+
+/** Is there a pixel of this colour, or nearly, along the box's left edge? */
+async function edgeIsPainted(page, box, isRight) {
+  return page.evaluate(([{ u_px, v_px, height_px }, test]) => {
+    const canvas = document.getElementById("left");
+    const context = canvas.getContext("2d");
+    const u = Math.min(canvas.width - 2, Math.max(1, Math.round(u_px)));
+    let hits = 0, rows = 0;
+    for (let v = Math.max(0, Math.round(v_px) + 2); v < Math.min(canvas.height, v_px + height_px - 2); v += 2, ++rows) {
+      const pixels = context.getImageData(u - 1, v, 3, 1).data;
+      const coloured = [0, 4, 8].some((i) => {
+        const [r, g, b] = pixels.slice(i, i + 3);
+        return test === "person" ? r > 150 && b > 150 && g < 140 : Math.max(r, g, b) - Math.min(r, g, b) > 60;
+      });
+      if (coloured) ++hits;
+    }
+    return rows === 0 ? null : hits / rows;
+  }, [box, isRight]);
+}
+
+const until = (page, test, argument) => page.waitForFunction(test, argument, { timeout: 20000 });
+
+const numberOf = (page) => page.evaluate(() => Number(document.body.dataset.number));
+
+/** The number at which a page stands still, once pairs that were under way are shown; ten a second come while it runs. */
+async function standingNumber(page) {
+  for (let i = 0, before = -1; i < 10; ++i) {
+    const now = await numberOf(page);
+    if (now === before) return now;
+    before = now;
+    await page.waitForTimeout(700);
+  }
+  assert.fail("the page does not stand still");
+}
+
+painted();
+let run = await start(0);
+const port = new URL(run.address).port;
+const browser = await chromium.launch({ executablePath: browserPath, args: ["--no-sandbox"] });
+const page = await browser.newPage({ viewport: { width: 1280, height: 900 } });
+const complaints = [];
+let isStopped = false;
+page.on("console", (message) => {
+  const isOfStop = isStopped && /net::ERR|Failed to load resource/.test(message.text());
+  if (message.type() === "error" && !isOfStop) complaints.push(message.text());
+});
+page.on("pageerror", (error) => complaints.push(String(error)));
+
+try {
+  // Pairs come and are shown.
+  await page.goto(run.address);
+  await until(page, () => Number(document.body.dataset.number) > 8);
+  assert.equal(await page.textContent("#connection"), "connected");
+  assert.match(await page.textContent("#rates"), /^\d+\.\d pairs a second; latency .* dropped/);
+  assert.match(await page.textContent("#summary"), /^\d+ obstacles, \d+ (person|people); nearest obstacle [0-9.]+ m/);
+  assert.ok((await page.locator("#tracks tr").count()) > 3);
+
+  // A paused page stands still, by the keyboard, and a step goes on by one.
+  await page.keyboard.press("p");
+  await until(page, () => document.getElementById("connection").textContent === "paused");
+  assert.equal(await page.textContent("#pause"), "Go on");
+  const paused = await standingNumber(page);
+  await page.locator("#step").focus();
+  await page.keyboard.press("Enter");
+  await until(page, (number) => Number(document.body.dataset.number) === number, paused + 1);
+
+  // Boxes are where the JSON says. Steps go on, by the key, to a pair in which someone is seen.
+  const newestRecord = () =>
+    readFileSync(join(work, "out.jsonl"), "utf8").trim().split("\n").map((line) => JSON.parse(line)).at(-1);
+  let shownNumber = await standingNumber(page);
+  for (let i = 0; i < 12 && newestRecord().pedestrians.length === 0; ++i) {
+    await page.keyboard.press("s");
+    await until(page, (number) => Number(document.body.dataset.number) === number, ++shownNumber);
+  }
+  const record = newestRecord();
+  assert.equal(record.frame, shownNumber);
+  assert.ok(record.obstacles.length > 3 && record.pedestrians.length > 0);
+  const canvas = await page.evaluate(() => [document.getElementById("left").width, document.getElementById("left").height]);
+  assert.deepEqual(canvas, [640, 240]);
+  const person = record.pedestrians[0];
+  assert.ok((await edgeIsPainted(page, person.box, "person")) > 0.6, "the nearest person has its box");
+  const nearest = record.obstacles[0];
+  assert.ok((await edgeIsPainted(page, nearest.box, "other")) > 0.6, "the nearest obstacle has its box");
+  const shownTracks = await page.locator("#tracks tr").evaluateAll((rows) => rows.map((row) => row.cells[0].textContent));
+  assert.deepEqual(shownTracks, record.tracks.map(({ id }) => String(id)));
+
+  const people = record.pedestrians.length;
+  const words = `${record.obstacles.length} obstacles, ${people} ${people === 1 ? "person" : "people"}; nearest`;
+  await until(page, (text) => document.getElementById("summary").textContent.startsWith(text), words);
+
+  await page.screenshot({ path: join(work, "page-1280.png"), fullPage: true });
+
+  // The report holds what it takes to see the pair again.
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+  const report = join(work, "report.zip");
+  await download.saveAs(report);
+  assert.match(download.suggestedFilename(), /^flies-pair-\d+\.zip$/);
+  const unzip = spawnSync("python3", ["-m", "zipfile", "-e", report, join(work, "report")]);
+  if (unzip.status === 0) {
+    const again = spawnSync(flies, ["detect", "left.png", "right.png", "--calib", "calib.yaml", "--options",
+      "options.yaml", "--json", "-"], { cwd: join(work, "report"), encoding: "utf8" });
+    assert.equal(again.status, 0, again.stderr);
+    assert.ok(JSON.parse(again.stdout).obstacles.length > 3);
+    assert.equal(JSON.parse(readFileSync(join(work, "report", "result.json"))).frame, shownNumber);
+  }
+
+  // Flies are shown on request, a slider changes an option, a fault is told.
+  const before = await page.evaluate(() => document.getElementById("top").toDataURL());
+  await page.keyboard.press("f");
+  await until(page, (old) => document.getElementById("top").toDataURL() !== old, before);
+  await page.screenshot({ path: join(work, "page-flies.png") });
+  await page.keyboard.press("f");
+  await page.locator("#option-evolve-flies").focus();
+  await page.keyboard.press("ArrowRight");
+  await until(page, () => document.getElementById("option-evolve-flies-value").textContent === "3500");
+  await page.keyboard.press("p");
+  await until(page, (number) => Number(document.body.dataset.number) > number + 5, shownNumber);
+  const flyCount = await page.evaluate(async () =>
+    (await (await fetch(`api/flies?number=${document.body.dataset.number}`)).json()).flies.length);
+  assert.equal(flyCount, 3500);
+  assert.equal(await page.textContent("#fault"), "");
+
+  // Other sites reach nothing.
+  const refused = await fetch(`http://127.0.0.1:${port}/api/pause`, { method: "POST" });
+  assert.equal(refused.status, 403);
+  assert.equal((await fetch(`http://127.0.0.1:${port}/nothing`)).status, 404);
+
+  // Narrow: one column, nothing sticks out.
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.waitForTimeout(300);
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= 390), "no scrolling sideways");
+  await page.screenshot({ path: join(work, "page-390.png"), fullPage: true });
+
+  // Everything that can be used is reached by the keyboard and has a name.
+  const names = await page.evaluate(() => [...document.querySelectorAll("button, input")].map((element) =>
+    (element.labels?.[0]?.textContent ?? element.textContent).trim()));
+  assert.ok(names.length >= 8 && names.every((name) => name.length > 2), names.join());
+  await page.evaluate(() => document.activeElement.blur());
+  const reached = new Set();
+  for (let i = 0; i < 12; ++i) {
+    await page.keyboard.press("Tab");
+    reached.add(await page.evaluate(() => document.activeElement.id || document.activeElement.tagName));
+  }
+  for (const id of ["pause", "save", "flies", "option-evolve-flies"]) assert.ok(reached.has(id), `${id} by Tab: ${[...reached]}`);
+
+  // The program stops and comes back: so does the page.
+  isStopped = true;
+  await stop(run);
+  await until(page, () => document.getElementById("connection").textContent.includes("lost"));
+  run = await start(Number(port));
+  await until(page, () => document.getElementById("connection").textContent === "connected");
+  await until(page, () => Number(document.body.dataset.number) > 2);
+
+  assert.deepEqual(complaints, [], "nothing in the browser's console");
+  await stop(run);
+  console.log("the page shows what the program sees");
+} catch (error) {
+  await page.screenshot({ path: join(work, "page-failed.png"), fullPage: true }).catch(() => {});
+  console.error(error, complaints, run.said());
+  run.child.kill("SIGKILL");
+  process.exitCode = 1;
+} finally {
+  await browser.close();
+}
+
+// At an address that others reach, a token is asked for.
+if (!process.exitCode) {
+  run = await start(0, ["--view-address", "0.0.0.0"]);
+  const address = new URL(run.address);
+  const open = `http://127.0.0.1:${address.port}/`;
+  assert.equal((await fetch(open)).status, 403);
+  const allowed = await fetch(open + address.search);
+  assert.equal(allowed.status, 200);
+  const cookie = allowed.headers.get("set-cookie").split(";")[0];
+  assert.equal((await fetch(`${open}page.js`, { headers: { cookie } })).status, 200);
+  await stop(run);
+}

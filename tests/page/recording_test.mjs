@@ -1,0 +1,211 @@
+// recording_test.mjs FLIES WORK: recordings and the WebSocket server, read by the formats' own packages. Status 77: skipped.
+import assert from "node:assert/strict";
+import { spawn, spawnSync } from "node:child_process";
+import { mkdirSync, readFileSync, rmSync } from "node:fs";
+import { open } from "node:fs/promises";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+
+const [flies, work] = process.argv.slice(2);
+
+let mcap, schemas, protocol, WebSocket, fzstd;
+try {
+  const require = createRequire(join(process.env.FLIES_NODE_MODULES, "..", "x.js"));
+  mcap = require("@mcap/core");
+  schemas = require("@foxglove/schemas/jsonschema");
+  protocol = require("@foxglove/ws-protocol");
+  ({ WebSocket } = require("ws"));
+  fzstd = require("fzstd");
+} catch (error) {
+  console.log(`SKIP_ a package is missing; scripts/install-node-tools installs it: ${error.message.split("\n")[0]}`);
+  process.exit(77);
+}
+
+rmSync(work, { recursive: true, force: true });
+mkdirSync(work, { recursive: true });
+const paint = ["synth", "street", "--sequence", "--seed", "3", "--frames", "12", "--width_px", "640", "--height_px",
+  "240", "--focal_px", "400"];
+assert.equal(spawnSync(flies, paint, { cwd: work }).status, 0);
+const source = ["live", "street/left", "street/right", "--calib", "street/calib.yaml", "--rate", "10"];
+
+/** What is missing or of another type in a message, by a JSON Schema: objects, arrays, plain types, constants. */
+function faults(value, schema, path = "") {
+  if (schema.oneOf) return schema.oneOf.some((one) => one.const === value) ? [] : [`${path}: ${value} is none of the constants`];
+  const is = { object: (v) => v !== null && typeof v === "object" && !Array.isArray(v), array: Array.isArray,
+    string: (v) => typeof v === "string", number: (v) => typeof v === "number", boolean: (v) => typeof v === "boolean",
+    integer: Number.isInteger };
+  if (schema.type && !is[schema.type](value)) return [`${path}: ${JSON.stringify(value)} is no ${schema.type}`];
+  const found = [];
+  if (schema.minimum !== undefined && value < schema.minimum) found.push(`${path}: ${value} is below ${schema.minimum}`);
+  if (schema.maximum !== undefined && value > schema.maximum) found.push(`${path}: ${value} is above ${schema.maximum}`);
+  for (const name of schema.required ?? []) if (!(name in value)) found.push(`${path}.${name} is missing`);
+  for (const [name, own] of Object.entries(schema.properties ?? {}))
+    if (value[name] !== undefined) found.push(...faults(value[name], own, `${path}.${name}`));
+  if (schema.type === "object" && schema.properties && Object.keys(schema.properties).length > 0)
+    for (const name of Object.keys(value)) if (!(name in schema.properties)) found.push(`${path}.${name} is unknown`);
+  if (schema.type === "array" && schema.items && !Array.isArray(schema.items))
+    value.forEach((item, i) => found.push(...faults(item, schema.items, `${path}[${i}]`)));
+  return found;
+}
+
+function checkMessage(schemaName, message) {
+  if (!schemaName.startsWith("foxglove.")) return;
+  const published = schemas[schemaName.replace("foxglove.", "")];
+  assert.ok(published, `${schemaName} is published`);
+  assert.deepEqual(faults(message, published, schemaName).slice(0, 5), []);
+}
+
+const decompressHandlers = { zstd: (buffer) => fzstd.decompress(buffer) };
+const text = new TextDecoder();
+
+async function indexed(path) {
+  const file = await open(path, "r");
+  const readable = {
+    size: async () => BigInt((await file.stat()).size),
+    read: async (offset, length) => {
+      const buffer = new Uint8Array(Number(length));
+      await file.read(buffer, 0, Number(length), Number(offset));
+      return buffer;
+    },
+  };
+  const reader = await mcap.McapIndexedReader.Initialize({ readable, decompressHandlers });
+  return { reader, file };
+}
+
+function streamed(path) {
+  const reader = new mcap.McapStreamReader({ decompressHandlers, validateCrcs: true });
+  reader.append(readFileSync(path));
+  const messages = [];
+  for (let record; (record = reader.nextRecord()); ) if (record.type === "Message") messages.push(record);
+  return messages;
+}
+
+// ---- a recording, by its index
+{
+  const run = spawnSync(flies, [...source, "--every-pair", "--record", "out.mcap", "--json", "out.jsonl"],
+    { cwd: work, encoding: "utf8" });
+  assert.equal(run.status, 0, run.stderr);
+  const lines = readFileSync(join(work, "out.jsonl"), "utf8").trim().split("\n");
+  const { reader, file } = await indexed(join(work, "out.mcap"));
+  const byTopic = new Map();
+  let before = 0n;
+  for await (const message of reader.readMessages()) {
+    const channel = reader.channelsById.get(message.channelId);
+    const schema = reader.schemasById.get(channel.schemaId);
+    assert.equal(channel.messageEncoding, "json");
+    assert.equal(schema.encoding, "jsonschema");
+    JSON.parse(text.decode(schema.data));
+    const data = JSON.parse(text.decode(message.data));
+    checkMessage(schema.name, data);
+    assert.ok(message.logTime >= before);
+    before = message.logTime;
+    if (!byTopic.has(channel.topic)) byTopic.set(channel.topic, []);
+    byTopic.get(channel.topic).push(data);
+  }
+  await file.close();
+  const topics = ["/left", "/right", "/left/calibration", "/right/calibration", "/left/annotations", "/scan", "/flies",
+    "/tracks", "/pose", "/tf/vehicle", "/tf/camera", "/record"];
+  for (const topic of topics) assert.equal(byTopic.get(topic)?.length, lines.length, topic);
+  assert.deepEqual(byTopic.get("/record"), lines.map((line) => JSON.parse(line)));
+  const tracks = byTopic.get("/record").at(-1).tracks;
+  assert.ok(tracks.length > 3);
+  assert.deepEqual(byTopic.get("/tracks").at(-1).entities.map(({ id }) => id), tracks.map(({ id }) => String(id)));
+  assert.equal(byTopic.get("/left/annotations").at(-1).points.length, tracks.length);
+  assert.equal(Buffer.from(byTopic.get("/left")[0].data, "base64").subarray(0, 2).toString("hex"), "ffd8");
+  assert.equal(reader.statistics.messageCount, BigInt(topics.length * lines.length + (byTopic.get("/log")?.length ?? 0)));
+  const camera = byTopic.get("/tf/camera")[0].rotation;
+  assert.ok(Math.abs(Math.hypot(camera.x, camera.y, camera.z, camera.w) - 1) < 1e-6);
+  assert.deepEqual(streamed(join(work, "out.mcap")).length, Number(reader.statistics.messageCount));
+}
+
+// ---- read back
+{
+  const run = spawnSync(flies, ["track", "out.mcap", "--json", "-"], { cwd: work, encoding: "utf8", maxBuffer: 1 << 28 });
+  assert.equal(run.status, 0, run.stderr);
+  const again = run.stdout.trim().split("\n").map((line) => JSON.parse(line));
+  const before = readFileSync(join(work, "out.jsonl"), "utf8").trim().split("\n").map((line) => JSON.parse(line));
+  assert.equal(again.length, before.length);
+  let close = 0;
+  again.forEach((record, i) => {
+    assert.ok(Math.abs(record.time_s - (before[i].time_s - before[0].time_s)) < 1e-6);
+    if (Math.abs(record.obstacles[0].range_m - before[i].obstacles[0].range_m) < 0.5) ++close;
+  });
+  // The pictures went through JPEG, so that now and then another obstacle is the nearest.
+  assert.ok(close >= 0.75 * again.length, `${close} of ${again.length} nearest obstacles are the same`);
+  assert.match(again[0].left, /^out\.mcap \/left 0$/);
+}
+
+// ---- a killed writer leaves whole chunks
+{
+  const child = spawn(flies, [...source, "--loop", "--record", "killed.mcap", "--json", "killed.jsonl"], { cwd: work });
+  await new Promise((resolve) => setTimeout(resolve, 5000));
+  child.kill("SIGKILL");
+  await new Promise((resolve) => child.on("exit", resolve));
+  const messages = streamed(join(work, "killed.mcap"));
+  const pairs = readFileSync(join(work, "killed.jsonl"), "utf8").trim().split("\n").length;
+  assert.ok(messages.length > 12 * Math.min(5, pairs - 12), `${messages.length} messages of ${pairs} pairs`);
+  const run = spawnSync(flies, ["track", "killed.mcap", "--json", "-"], { cwd: work, encoding: "utf8", maxBuffer: 1 << 28 });
+  assert.equal(run.status, 0, run.stderr);
+  assert.match(run.stderr, /killed\.mcap: is cut off or damaged after \d+ pairs/);
+}
+
+// ---- the WebSocket server, by the protocol's own client
+{
+  const child = spawn(flies, [...source, "--loop", "--foxglove", "0", "--json", "ws.jsonl"], { cwd: work });
+  const ended = new Promise((resolve) => child.on("exit", resolve));
+  const address = await new Promise((resolve, reject) => {
+    let said = "";
+    child.stderr.on("data", (data) => {
+      said += data;
+      const found = /Foxglove at (\S+)/.exec(said);
+      if (found) resolve(found[1]);
+    });
+    ended.then((code) => reject(new Error(`flies ended with ${code}: ${said}`)));
+  });
+  // Another protocol and a page of another site are refused.
+  for (const [protocols, options] of [[["other"], {}],
+    [[protocol.FoxgloveClient.SUPPORTED_SUBPROTOCOL], { origin: "https://evil.example" }]]) {
+    const refused = new WebSocket(address, protocols, options);
+    await new Promise((resolve) => refused.on("error", resolve));
+  }
+  const client = new protocol.FoxgloveClient({
+    ws: new WebSocket(address, [protocol.FoxgloveClient.SUPPORTED_SUBPROTOCOL]) });
+  const channels = new Map(), bySubscription = new Map(), counts = new Map();
+  let enough;
+  const done = new Promise((resolve, reject) => {
+    enough = resolve;
+    client.on("error", reject);
+    setTimeout(() => reject(new Error(`too few messages: ${JSON.stringify([...counts])}`)), 30000).unref();
+  });
+  client.on("serverInfo", (info) => assert.equal(info.name, "flies"));
+  client.on("advertise", (advertised) => {
+    for (const channel of advertised) {
+      assert.equal(channel.schemaEncoding, "jsonschema");
+      channels.set(channel.id, channel);
+      if (channel.topic !== "/right") bySubscription.set(client.subscribe(channel.id), channel);
+    }
+  });
+  client.on("message", ({ subscriptionId, timestamp, data }) => {
+    const channel = bySubscription.get(subscriptionId);
+    const message = JSON.parse(text.decode(data));
+    checkMessage(channel.schemaName, message);
+    assert.ok(timestamp > 1600000000n * 1000000000n);
+    counts.set(channel.topic, (counts.get(channel.topic) ?? 0) + 1);
+    if (channel.topic === "/record" && counts.get("/record") >= 10) enough();
+  });
+  await done;
+  assert.equal(channels.size, 13);
+  assert.equal(counts.get("/right"), undefined, "only what was subscribed to");
+  for (const topic of ["/left", "/scan", "/flies", "/tracks", "/pose"]) assert.ok(counts.get(topic) >= 9, topic);
+  // Who unsubscribes gets no more.
+  for (const id of bySubscription.keys()) client.unsubscribe(id);
+  await new Promise((resolve) => setTimeout(resolve, 500));
+  const before = counts.get("/record");
+  await new Promise((resolve) => setTimeout(resolve, 500));
+  assert.equal(counts.get("/record"), before);
+  const closed = new Promise((resolve) => client.on("close", resolve));
+  child.kill("SIGINT");
+  assert.equal(await ended, 0);
+  await closed;
+}
+console.log("recordings and messages are what the formats' own packages read");
