@@ -54,7 +54,7 @@ void bind_detector(py::module_& module) {
       "for the other.")
       .def(py::init([](const flies::StereoCamera& camera, const py::dict& options, const std::string& preset,
                        const std::optional<std::string>& model) {
-             const auto all = python_options(preset, options, false);
+             const auto all = python_options(camera, preset, options, false);
              const py::gil_scoped_release release;
              return std::make_unique<SharedDetector>(camera, all.detector, classifier_of(preset, model));
            }),
@@ -79,7 +79,7 @@ void bind_tracker(py::module_& module) {
                             "called from\nseveral threads: one waits for the other.")
       .def(py::init([](const flies::StereoCamera& camera, const py::dict& options, const std::string& preset,
                        const std::optional<std::string>& model) {
-             const auto all = python_options(preset, options, true);
+             const auto all = python_options(camera, preset, options, true);
              const py::gil_scoped_release release;
              return std::make_unique<SharedTracker>(camera, all.detector, all.following, classifier_of(preset, model));
            }),
@@ -136,7 +136,7 @@ void bind_engine(py::module_& module) {
       "called from any threads.")
       .def(py::init([](const flies::StereoCamera& camera, const py::dict& options, const std::string& preset,
                        const std::optional<std::string>& model) {
-             const auto all = python_options(preset, options, true);
+             const auto all = python_options(camera, preset, options, true);
              const py::gil_scoped_release release;
              return std::make_unique<Engine>(camera, all.detector, all.following, classifier_of(preset, model));
            }),

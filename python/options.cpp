@@ -38,9 +38,12 @@ bool is_of_following(const std::string& path) { return path.starts_with("ego.") 
 
 }  // namespace
 
-PythonOptions python_options(const std::string& preset, const py::dict& options, bool may_follow) {
+PythonOptions python_options(const flies::StereoCamera& camera, const std::string& preset, const py::dict& options,
+                             bool may_follow) {
   PythonOptions result;
-  result.detector = flies::preset_options(flies::preset_named(preset, "preset"));
+  const flies::Preset named = flies::preset_named(preset, "preset");
+  result.detector = flies::preset_options(named);
+  if (named != flies::Preset::paper) result.detector = flies::fitted_options(camera, result.detector);
   Settings settings;
   flatten(options, "", settings);
   for (const auto& [path, text] : settings)

@@ -14,8 +14,9 @@ struct PythonOptions {
   flies::TrackerOptions following;
 };
 
-/// The preset, overruled by a dict: dotted names (`{"evolve.flies": 3000}`), nested ones (`{"evolve": {"flies":
-/// 3000}}`) or both. Names below `ego` and `track` are those of following.
+/// The preset, made for the camera (not `paper`), overruled by a dict: dotted names (`{"evolve.flies": 3000}`), nested
+/// ones (`{"evolve": {"flies": 3000}}`) or both. Names below `ego` and `track` are those of following.
 /// @param may_follow false: those are unknown
 /// @throws InputError on an unknown preset or option (with the nearest known one) or a value that is not allowed
-PythonOptions python_options(const std::string& preset, const pybind11::dict& options, bool may_follow);
+PythonOptions python_options(const flies::StereoCamera& camera, const std::string& preset,
+                             const pybind11::dict& options, bool may_follow);

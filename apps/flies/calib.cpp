@@ -11,6 +11,7 @@
 #include "commands.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/io/calibration.hpp"
+#include "flies/pipeline/detector.hpp"
 #include "standard_output.hpp"
 
 namespace {
@@ -38,6 +39,34 @@ flies::CalibrationRequest request_of(const CalibArguments& arguments) {
 std::optional<double> field_of_view_deg(double focal_px, double centre_px, int size_px) {
   if (size_px == 0) return std::nullopt;
   return flies::degrees(std::atan(centre_px / focal_px) + std::atan((size_px - 1 - centre_px) / focal_px));
+}
+
+/// Ranges that deviations are told for.
+constexpr double kTold_m[] = {2.0, 5.0, 10.0, 20.0};
+
+/// What a patch of a fly covers: a smaller thing may be missed.
+constexpr double kPatchColumns_px = 6.0, kPatchRows_px = 9.0;
+
+std::string deviations(const flies::StereoCamera& camera) {
+  std::string text;
+  for (const double range_m : kTold_m)
+    text += fmt::format("{}{:.2f} m at {:.0f} m", text.empty() ? "" : ", ", flies::range_deviation_m(camera, range_m),
+                        range_m);
+  return text;
+}
+
+std::string smallest(const flies::StereoCamera& camera) {
+  std::string text;
+  for (const double range_m : kTold_m)
+    text += fmt::format("{}{:.0f} x {:.0f} cm at {:.0f} m", text.empty() ? "" : ", ",
+                        100.0 * kPatchColumns_px * range_m / camera.fx_px,
+                        100.0 * kPatchRows_px * range_m / camera.fy_px, range_m);
+  return text;
+}
+
+/// The field of detection of the preset `default` for this camera.
+flies::FieldOptions field_of(const flies::StereoCamera& camera) {
+  return flies::fitted_options(camera, flies::preset_options(flies::Preset::standard)).field;
 }
 
 double depth_at_one_pixel_m(const flies::StereoCamera& camera) { return camera.fx_px * camera.baseline_m; }
@@ -73,12 +102,17 @@ std::string table(const flies::Calibration& calibration, const CalibArguments& a
                             ? fmt::format("{:.1f} deg across, {:.1f} deg down", *across_deg, *down_deg)
                             : "not known without the image size");
   line("range at 1 px disparity", fmt::format("{:.1f} m", depth_at_one_pixel_m(camera)));
+  line("range error (1 sd)", deviations(camera));
+  line("smallest thing seen", smallest(camera));
+  const flies::FieldOptions field = field_of(camera);
+  line("looked at", fmt::format("{:.1f} to {:.1f} m ahead", field.x_min_m, field.x_max_m));
   for (const auto& note : calibration.notes) line("note", note);
   return text;
 }
 
 std::string json(const flies::Calibration& calibration) {
   const auto& camera = calibration.camera;
+  const flies::FieldOptions field = field_of(camera);
   const nlohmann::ordered_json object = {
       {"format", calibration.format},
       {"left", calibration.left_name},
@@ -97,6 +131,9 @@ std::string json(const flies::Calibration& calibration) {
       {"pitch_deg", flies::degrees(camera.mount.pitch_rad)},
       {"pitch_is_default", !calibration.has_pitch},
       {"roll_deg", flies::degrees(camera.mount.roll_rad)},
+      {"range_sd_at_10_m", flies::range_deviation_m(camera, 10.0)},
+      {"field_x_min_m", field.x_min_m},
+      {"field_x_max_m", field.x_max_m},
       {"notes", calibration.notes},
   };
   constexpr int kIndent = 2;

@@ -85,7 +85,7 @@ FirstPair first_readable(const std::vector<flies::PairPaths>& pairs) {
 }
 
 void run_detect(const DetectArguments& arguments) {
-  const flies::DetectorOptions options = effective_options(arguments.method);
+  const flies::DetectorOptions unfitted = effective_options(arguments.method);
   const auto classifier = classifier_for(arguments.method.preset, arguments.model);
   const auto pairs = flies::find_pairs(arguments.left, arguments.right);
   const bool is_single = pairs.size() == 1;
@@ -93,8 +93,8 @@ void run_detect(const DetectArguments& arguments) {
 
   // The detector keeps to its own arena; this holds OpenCV, which runs on oneTBB too, to the same number.
   std::optional<tbb::global_control> thread_limit;
-  if (options.threads > 0)
-    thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
+  if (unfitted.threads > 0)
+    thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(unfitted.threads));
 
   auto [first, images] = first_readable(pairs);
   auto request = calibration_request(arguments.camera, pairs[first].left, pairs[first].right, images.view());
@@ -106,6 +106,7 @@ void run_detect(const DetectArguments& arguments) {
   calibration.camera.width_px = images.view().left.width_px;
   calibration.camera.height_px = images.view().left.height_px;
   const RunDiagnosis run = diagnose(pairs, calibration, arguments.corrections);
+  const flies::DetectorOptions options = effective_options(arguments.method, calibration.camera);
   flies::Detector detector(calibration.camera, options, classifier);
   constexpr auto kLines = flies::OutputFile::Kind::lines;
   std::optional<flies::OutputFile> json, csv, scan;
@@ -124,7 +125,7 @@ void run_detect(const DetectArguments& arguments) {
                               .left = left_path,
                               .right = right_path,
                               .seed = options.seed,
-                              .preset = preset_name(options),
+                              .preset = preset_name(unfitted),
                               .obstacles = {},
                               .pedestrians = {},
                               .scan = {},

@@ -103,7 +103,9 @@ flies::Method yardstick(const std::string& name, const flies::DetectorOptions& o
   if (preset == kPresets.end())
     throw flies::InputError(
         "command line", "--yardstick",
-        fmt::format("found '{}', expected sgbm, sgbm-3way, hog-48x96, hog-64x128, default or paper", name));
+        fmt::format(
+            "found '{}', expected sgbm, sgbm-3way, hog-48x96, hog-64x128, or a preset: default, paper, robot, handheld",
+            name));
   flies::DetectorOptions of_preset = flies::preset_options(static_cast<flies::Preset>(preset - kPresets.begin()));
   of_preset.seed = options.seed;
   of_preset.threads = options.threads;
@@ -166,6 +168,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
     dataset =
         flies::with_unlabelled(std::move(dataset), flies::read_unlabelled(arguments.unlabelled), arguments.unlabelled);
   context.kind = dataset.kind;
+  context.options = effective_options(arguments.method, dataset.load(0).camera);
   const auto frames = frames_of(arguments, dataset.pairs.size());
   const bool follows = wants_sequence(arguments, dataset);
   const auto methods = methods_of(arguments, context.options, dataset);
@@ -256,7 +259,7 @@ void setup_evaluate(CLI::App& app) {
   command
       ->add_option("--yardstick", arguments->yardsticks,
                    "measured in the same run: sgbm, sgbm-3way (OpenCV's dense matching), hog-48x96, hog-64x128\n"
-                   "(OpenCV's search of the whole image for people), default, paper")
+                   "(OpenCV's search of the whole image for people), or a preset")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("LIST")

@@ -8,7 +8,8 @@
 
 void add_method_options(CLI::App& app, MethodArguments& arguments) {
   constexpr const char* kGroup = "Method";
-  app.add_option("--preset", arguments.preset, "named set of options: default (works best) or paper (as published)")
+  app.add_option("--preset", arguments.preset,
+                 "named set of options: default (roads), robot, handheld or paper (as published)")
       ->type_name("NAME")
       ->group(kGroup);
   app.add_option("--options", arguments.options_file, "YAML file of options, as `flies config` prints them")
@@ -43,12 +44,30 @@ std::string preset_name(const flies::DetectorOptions& options) {
   return "custom";
 }
 
-flies::DetectorOptions effective_options(const MethodArguments& arguments) {
-  flies::DetectorOptions options = flies::preset_options(flies::preset_named(arguments.preset, "command line"));
+namespace {
+
+/// A preset with what the user sets.
+flies::DetectorOptions with_settings(flies::DetectorOptions options, const MethodArguments& arguments) {
   if (!arguments.options_file.empty())
     for (const auto& setting : flies::load_options_yaml(arguments.options_file))
       flies::set_option(options, setting.path, setting.text, setting.source);
   for (const auto& [path, text] : arguments.overrides) flies::set_option(options, path, text, "command line");
   flies::check_detector_options(options, "options");
   return options;
+}
+
+flies::DetectorOptions preset_of(const MethodArguments& arguments) {
+  return flies::preset_options(flies::preset_named(arguments.preset, "command line"));
+}
+
+}  // namespace
+
+flies::DetectorOptions effective_options(const MethodArguments& arguments) {
+  return with_settings(preset_of(arguments), arguments);
+}
+
+flies::DetectorOptions effective_options(const MethodArguments& arguments, const flies::StereoCamera& camera) {
+  const bool is_as_published = arguments.preset == enum_name(flies::Preset::paper);
+  const flies::DetectorOptions preset = preset_of(arguments);
+  return with_settings(is_as_published ? preset : flies::fitted_options(camera, preset), arguments);
 }

@@ -23,6 +23,9 @@ void add_method_options(CLI::App& app, MethodArguments& arguments);
 /// @throws flies::InputError on an unknown preset, an unreadable file, an unknown option or a value out of range
 flies::DetectorOptions effective_options(const MethodArguments& arguments);
 
+/// The same for a camera: what the user has not set follows from it (`flies::fitted_options`); not for `paper`.
+flies::DetectorOptions effective_options(const MethodArguments& arguments, const flies::StereoCamera& camera);
+
 /// What classifies people: the model of this name or file, or without one that of the preset. `paper` has the linear
 /// one.
 /// @throws flies::InputError as `flies::people_classifier`

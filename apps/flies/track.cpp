@@ -105,7 +105,7 @@ class TrackFilm {
 };
 
 void run_track(TrackArguments arguments) {
-  const flies::DetectorOptions options = effective_options(arguments.method);
+  const flies::DetectorOptions unfitted = effective_options(arguments.method);
   const flies::TrackerOptions following = tracker_options(arguments);
   const auto classifier = classifier_for(arguments.method.preset, arguments.model);
   if (!arguments.camera.cameras.empty())
@@ -114,9 +114,9 @@ void run_track(TrackArguments arguments) {
 
   // The detector keeps to its own arena; this holds OpenCV, which runs on oneTBB too, to the same number.
   std::optional<tbb::global_control> thread_limit;
-  if (options.threads > 0) {
-    thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
-    cv::setNumThreads(options.threads);
+  if (unfitted.threads > 0) {
+    thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(unfitted.threads));
+    cv::setNumThreads(unfitted.threads);
   }
 
   std::optional<flies::Calibration> calibration;
@@ -147,7 +147,8 @@ void run_track(TrackArguments arguments) {
     if (i == 0) {
       calibration->camera.width_px = pair.left.width_px;
       calibration->camera.height_px = pair.left.height_px;
-      tracker.emplace(calibration->camera, options, following, classifier);
+      tracker.emplace(calibration->camera, effective_options(arguments.method, calibration->camera), following,
+                      classifier);
       flies::check_true_pair(pair, calibration->camera, left_path, right_path);
     }
 
@@ -155,8 +156,8 @@ void run_track(TrackArguments arguments) {
     const TrackedFrame frame{.frame = static_cast<int>(i),
                              .left = left_path,
                              .right = right_path,
-                             .seed = options.seed,
-                             .preset = preset_name(options),
+                             .seed = unfitted.seed,
+                             .preset = preset_name(unfitted),
                              .camera = calibration->camera,
                              .tracking = tracker->process(pair, source.times_s[i])};
     const std::chrono::duration<double, std::milli> latency = std::chrono::steady_clock::now() - start;

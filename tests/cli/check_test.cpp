@@ -131,6 +131,24 @@ TEST_F(Check, LeavesTheCameraAsGivenOnRequestAndWhereItIsRight) {
   EXPECT_THAT(unknown.err, HasSubstr("expected auto or given"));
 }
 
+TEST_F(Check, PresetsForRoomsAndHandsFindTheBox) {
+  for (const char* preset : {"robot", "handheld"}) {
+    const json record = json::parse(detect("right.png", {"--preset", preset}).out);
+    EXPECT_EQ(record.at("preset"), preset);
+    EXPECT_TRUE(finds_the_box(record)) << preset;
+    for (const auto& obstacle : record.at("obstacles")) EXPECT_GT(obstacle.at("range_sd_m").get<double>(), 0.0);
+  }
+}
+
+TEST_F(Check, CalibSaysWhatTheCameraCanDo) {
+  const RunResult result = run_flies(folder.path(), {"calib", "calib.txt", "--size", "320,240"});
+  EXPECT_THAT(result.out, HasSubstr("range error (1 sd)"));
+  EXPECT_THAT(result.out, HasSubstr("smallest thing seen"));
+  EXPECT_THAT(result.out, HasSubstr("looked at"));
+  const json record = json::parse(run_flies(folder.path(), {"calib", "calib.txt", "--size", "320,240", "--json"}).out);
+  EXPECT_NEAR(record.at("range_sd_at_10_m").get<double>(), 10.0 * std::hypot(0.3 * 10.0 / 150.0, 0.015), 1e-6);
+}
+
 TEST_F(Check, TellsARigThatHangsUpsideDown) {
   cv::Mat left, right;
   cv::rotate(street_pair().right, left, cv::ROTATE_180);

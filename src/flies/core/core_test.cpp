@@ -298,5 +298,16 @@ TEST(PlanarMotion, TakesPointsForthAndBack) {
   EXPECT_EQ(back.z_m, before.z_m);
 }
 
+TEST(RangeDeviation, GrowsWithTheSquareOfTheRangeAndIsInverted) {
+  const StereoCamera camera{.fx_px = 700, .fy_px = 700, .baseline_m = 0.1, .mount = {}};
+  EXPECT_NEAR(range_deviation_m(camera, 40.0) / range_deviation_m(camera, 20.0), 4.0, 0.2);
+  EXPECT_NEAR(range_deviation_m(camera, 1.0), 0.015, 0.002);  // near, the share counts alone
+  for (const double share : {0.05, 0.15, 0.5}) {
+    const double range_m = range_of_deviation_m(camera, share);
+    EXPECT_NEAR(range_deviation_m(camera, range_m) / range_m, share, 1e-9);
+  }
+  EXPECT_EQ(range_of_deviation_m(camera, 0.01), 0.0);
+}
+
 }  // namespace
 }  // namespace flies

@@ -28,6 +28,7 @@ struct Obstacle {
   double ground_z_m = 0.0;  ///< height of the road under it in the vehicle frame; 0 on the nominal ground
   double score = 0.0;       ///< summed fitness of its flies over the population; comparable for equal options
   ImageBox box;             ///< in the left image
+  double range_sd_m = 0.0;  ///< standard deviation of the range (`range_deviation_m`); 0 when not worked out
 };
 
 /// A person: one verdict of the classifier after non-maximum suppression on the ground.
@@ -38,6 +39,7 @@ struct Pedestrian {
   double height_m = 0.0;     ///< head above feet
   double probability = 0.0;  ///< that this is a person, by the classifier
   ImageBox box;              ///< tight around the person, head to feet
+  double range_sd_m = 0.0;   ///< standard deviation of the range; 0 when not worked out
 };
 
 /// The stages of the pipeline in order. Their names key the timings in JSON, the benchmark rows and the docs.

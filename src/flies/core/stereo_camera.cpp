@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "flies/core/error.hpp"
@@ -11,6 +12,10 @@ namespace {
 
 /// Beyond this the camera does not look along the road and the method's field of detection makes no sense.
 constexpr double kMaxTilt_deg = 45.0;
+
+/// Standard deviations of the disparity of an obstacle, and of its range where disparity is exact, as a share of it.
+constexpr double kDisparityDeviation_px = 0.3;
+constexpr double kRangeDeviation = 0.015;
 
 void require(bool ok, const std::string& source, const char* field, double found, const char* allowed) {
   if (!ok) throw InputError(source, field, fmt::format("found {:.6g}, expected {}", found, allowed));
@@ -130,6 +135,16 @@ Point3 Projection::meet_road(double u_px, double v_px, const RoadPlane& road) co
   const double depth = (road.height_m - height_m_) / (z - road.slope * x - road.bank * y);
   if (!(depth > 0.0) || !std::isfinite(depth)) return {};
   return {x * depth, y * depth, height_m_ + z * depth};
+}
+
+double range_deviation_m(const StereoCamera& camera, double range_m) {
+  const double by_disparity = kDisparityDeviation_px * range_m / (camera.fx_px * camera.baseline_m);
+  return range_m * std::hypot(by_disparity, kRangeDeviation);
+}
+
+double range_of_deviation_m(const StereoCamera& camera, double share) {
+  const double by_disparity = std::sqrt(std::max(0.0, share * share - kRangeDeviation * kRangeDeviation));
+  return by_disparity * camera.fx_px * camera.baseline_m / kDisparityDeviation_px;
 }
 
 }  // namespace flies

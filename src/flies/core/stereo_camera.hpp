@@ -99,4 +99,11 @@ class Projection {
   std::array<std::array<double, 3>, 3> camera_from_vehicle_;
 };
 
+/// Standard deviation of a range that was measured: of its disparity, and a share of the range for what the near face
+/// of a thing is (measured: docs/cameras.md). It grows with the square of the range.
+double range_deviation_m(const StereoCamera& camera, double range_m);
+
+/// The inverse: the range at which the deviation is this share of the range; 0 when no range has so little.
+double range_of_deviation_m(const StereoCamera& camera, double share);
+
 }  // namespace flies

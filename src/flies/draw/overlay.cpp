@@ -61,6 +61,13 @@ std::vector<Roi> one_per_obstacle(const std::vector<Roi>& rois) {
   return result;
 }
 
+/// The range, with its standard deviation where that is a twentieth and more.
+std::string range_label(double range_m, double range_sd_m) {
+  constexpr double kWorthSaying = 0.05;
+  if (range_sd_m < kWorthSaying * range_m) return fmt::format("{:.1f} m", range_m);
+  return fmt::format("{:.1f}+-{:.1f} m", range_m, range_sd_m);
+}
+
 cv::Rect image_area(const cv::Mat& left) { return {0, 0, left.cols, left.rows}; }
 
 }  // namespace
@@ -79,9 +86,10 @@ cv::Mat draw_overlay(const cv::Mat& left, const std::vector<Obstacle>& obstacles
     // The labels that matter most choose their place first.
     LabelPlacer labels(image_area(left));
     for (const auto& pedestrian : pedestrians)
-      labels.put(image, fmt::format("{:.1f} m", pedestrian.range_m), pixel_rect(pedestrian.box), {255, 170, 255});
+      labels.put(image, range_label(pedestrian.range_m, pedestrian.range_sd_m), pixel_rect(pedestrian.box),
+                 {255, 170, 255});
     for (const auto& obstacle : obstacles)
-      labels.put(image, fmt::format("{:.1f} m", obstacle.range_m), pixel_rect(obstacle.box),
+      labels.put(image, range_label(obstacle.range_m, obstacle.range_sd_m), pixel_rect(obstacle.box),
                  range_color(obstacle.range_m));
   }
   put_overlay_legend(canvas, left.rows, has_scan);

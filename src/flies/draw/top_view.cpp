@@ -89,6 +89,16 @@ constexpr double kBarDepth_m = 0.35;
 /// Thinner bars would vanish between two grid lines.
 constexpr double kMinBarWidth_m = 0.3;
 
+/// A line from one standard deviation of the range before an obstacle to one behind it.
+void put_deviation(cv::Mat& ground, const GroundPlot& plot, const Obstacle& obstacle) {
+  if (!(obstacle.range_sd_m > 0.0) || !std::isfinite(obstacle.range_sd_m)) return;
+  const auto at = [&](double deviations) {
+    const double factor = 1.0 + deviations * obstacle.range_sd_m / obstacle.range_m;
+    return plot.at(obstacle.x_m * factor, obstacle.y_m * factor);
+  };
+  cv::line(ground, at(-1.0), at(1.0), kInk, 1, cv::LINE_AA);
+}
+
 void put_obstacle(cv::Mat& ground, const GroundPlot& plot, const Obstacle& obstacle) {
   const double range = std::hypot(obstacle.x_m, obstacle.y_m);
   if (!std::isfinite(range) || range <= 0.0) return;
@@ -100,6 +110,7 @@ void put_obstacle(cv::Mat& ground, const GroundPlot& plot, const Obstacle& obsta
     corners.push_back(plot.at(obstacle.x_m - left_m(across) * ahead_y + along * kBarDepth_m * ahead_x,
                               obstacle.y_m + left_m(across) * ahead_x + along * kBarDepth_m * ahead_y));
   cv::fillConvexPoly(ground, corners, range_color(obstacle.range_m), cv::LINE_AA);
+  put_deviation(ground, plot, obstacle);
   cv::polylines(ground, corners, true, kInk, 1, cv::LINE_AA);
 }
 

@@ -31,7 +31,7 @@ std::string score_of(double score) { return std::isfinite(score) ? fmt::format("
 
 std::string csv_header() {
   return "frame,left,right,kind,x_m,y_m,range_m,width_m,depth_m,height_m,score,probability,u_px,v_px,width_px,height_"
-         "px\n";
+         "px,range_sd_m\n";
 }
 
 std::string csv_rows(const FrameRecord& record) {
@@ -39,10 +39,10 @@ std::string csv_rows(const FrameRecord& record) {
   std::string rows;
   const auto add_row = [&](const char* kind, const auto& found, const std::string& width_m, const std::string& depth_m,
                            const std::string& score, const std::string& probability) {
-    rows += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", start, kind, metres(found.x_m),
+    rows += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", start, kind, metres(found.x_m),
                         metres(found.y_m), metres(found.range_m), width_m, depth_m, metres(found.height_m), score,
                         probability, pixels(found.box.u_px), pixels(found.box.v_px), pixels(found.box.width_px),
-                        pixels(found.box.height_px));
+                        pixels(found.box.height_px), metres(found.range_sd_m));
   };
   for (const auto& obstacle : record.obstacles)
     add_row("obstacle", obstacle, metres(obstacle.width_m), metres(obstacle.depth_m), score_of(obstacle.score), "");

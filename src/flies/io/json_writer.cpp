@@ -39,21 +39,18 @@ Json box_of(const ImageBox& box) {
 }
 
 Json object_of(const Obstacle& obstacle) {
-  return {{"x_m", metres(obstacle.x_m)},
-          {"y_m", metres(obstacle.y_m)},
-          {"range_m", metres(obstacle.range_m)},
-          {"width_m", metres(obstacle.width_m)},
-          {"middle_offset_m", metres(obstacle.middle_offset_m)},
-          {"depth_m", metres(obstacle.depth_m)},
-          {"height_m", metres(obstacle.height_m)},
-          {"score", score_of(obstacle.score)},
-          {"box", box_of(obstacle.box)}};
+  return {{"x_m", metres(obstacle.x_m)},         {"y_m", metres(obstacle.y_m)},
+          {"range_m", metres(obstacle.range_m)}, {"range_sd_m", metres(obstacle.range_sd_m)},
+          {"width_m", metres(obstacle.width_m)}, {"middle_offset_m", metres(obstacle.middle_offset_m)},
+          {"depth_m", metres(obstacle.depth_m)}, {"height_m", metres(obstacle.height_m)},
+          {"score", score_of(obstacle.score)},   {"box", box_of(obstacle.box)}};
 }
 
 Json object_of(const Pedestrian& pedestrian) {
   return {{"x_m", metres(pedestrian.x_m)},
           {"y_m", metres(pedestrian.y_m)},
           {"range_m", metres(pedestrian.range_m)},
+          {"range_sd_m", metres(pedestrian.range_sd_m)},
           {"height_m", metres(pedestrian.height_m)},
           {"probability", score_of(pedestrian.probability)},
           {"box", box_of(pedestrian.box)}};

@@ -40,8 +40,9 @@ FrameRecord example() {
                               .height_m = 1.75,
                               .ground_z_m = 0.1,
                               .score = 0.0123456789,
-                              .box = {100.126, 50, 20, 60.5}});
-  record.pedestrians.push_back({12.3, -0.0, 12.3, 1.71, 0.75, {101, 52, 18, 58}});
+                              .box = {100.126, 50, 20, 60.5},
+                              .range_sd_m = 0.2345});
+  record.pedestrians.push_back({12.3, -0.0, 12.3, 1.71, 0.75, {101, 52, 18, 58}, 0.25});
   record.stage_ms = {1.23456, 2, 3, 4, 5};
   return record;
 }
@@ -70,9 +71,10 @@ TEST(JsonLine, HasTheSchemaInOrder) {
   const Json json = Json::parse(line);
   EXPECT_THAT(keys_of(json),
               ElementsAre("frame", "left", "right", "seed", "preset", "obstacles", "pedestrians", "stage_ms"));
-  EXPECT_THAT(keys_of(json["obstacles"][0]), ElementsAre("x_m", "y_m", "range_m", "width_m", "middle_offset_m",
-                                                         "depth_m", "height_m", "score", "box"));
-  EXPECT_THAT(keys_of(json["pedestrians"][0]), ElementsAre("x_m", "y_m", "range_m", "height_m", "probability", "box"));
+  EXPECT_THAT(keys_of(json["obstacles"][0]), ElementsAre("x_m", "y_m", "range_m", "range_sd_m", "width_m",
+                                                         "middle_offset_m", "depth_m", "height_m", "score", "box"));
+  EXPECT_THAT(keys_of(json["pedestrians"][0]),
+              ElementsAre("x_m", "y_m", "range_m", "range_sd_m", "height_m", "probability", "box"));
   EXPECT_THAT(keys_of(json["obstacles"][0]["box"]), ElementsAre("u_px", "v_px", "width_px", "height_px"));
   EXPECT_THAT(keys_of(json["stage_ms"]), ElementsAreArray(kStageNames));
 }
@@ -133,9 +135,10 @@ TEST(CsvRows, MatchTheHeader) {
   record.obstacles[0].score = kNan;
   EXPECT_EQ(
       csv_header() + csv_rows(record),
-      "frame,left,right,kind,x_m,y_m,range_m,width_m,depth_m,height_m,score,probability,u_px,v_px,width_px,height_px\n"
-      "7,l/7.png,r/7.png,obstacle,12.346,-1.100,12.395,0.500,0.250,1.750,,,100.13,50.00,20.00,60.50\n"
-      "7,l/7.png,r/7.png,pedestrian,12.300,-0.000,12.300,,,1.710,,0.75,101.00,52.00,18.00,58.00\n");
+      "frame,left,right,kind,x_m,y_m,range_m,width_m,depth_m,height_m,score,probability,u_px,v_px,width_px,height_px,"
+      "range_sd_m\n"
+      "7,l/7.png,r/7.png,obstacle,12.346,-1.100,12.395,0.500,0.250,1.750,,,100.13,50.00,20.00,60.50,0.234\n"
+      "7,l/7.png,r/7.png,pedestrian,12.300,-0.000,12.300,,,1.710,,0.75,101.00,52.00,18.00,58.00,0.250\n");
 }
 
 TEST(CsvRows, QuoteNamesAsRfc4180Says) {

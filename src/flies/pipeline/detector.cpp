@@ -77,6 +77,8 @@ Detection Detector::detect(const RectifiedPair& pair, const std::optional<Planar
     d.roi_scores = std::move(people.screened);
     return std::move(people.pedestrians);
   });
+  for (auto& obstacle : d.obstacles) obstacle.range_sd_m = range_deviation_m(camera_, obstacle.range_m);
+  for (auto& pedestrian : d.pedestrians) pedestrian.range_sd_m = range_deviation_m(camera_, pedestrian.range_m);
   return d;
 }
 

@@ -56,14 +56,23 @@ struct DetectorOptions {
 
 /// Named sets of options: values, not code paths.
 enum class Preset {
-  standard,  ///< "default": what works best
+  standard,  ///< "default": what works best on roads
   paper,     ///< Li, Toulminet, Nashashibi 2010 as closely as the text lets us
+  robot,     ///< 0.2 to 1 m above a floor, 0.3 to 12 m ahead, things from 3 cm up
+  handheld,  ///< carried, held or flown: any height and tilt, uneven ground, 0.3 to 20 m ahead
 };
 template <>
 struct EnumNames<Preset> {
-  static constexpr std::array<std::string_view, 2> names = {"default", "paper"};
+  static constexpr std::array<std::string_view, 4> names = {"default", "paper", "robot", "handheld"};
 };
 DetectorOptions preset_options(Preset preset);
+
+/// The options of a preset made for a camera. Presets have a car's camera in mind; of another one's field of detection,
+/// scan and search for the road, the near ends follow from where it sees the road first and where both of its images
+/// see the same, the far ends from where ranges get worse than 15 % and the road too flat. Nothing is looked for
+/// farther away than the preset says, and nothing changes for a KITTI car. docs/cameras.md has the rules.
+/// @param camera with its image size and its mount; what depends on a size that is not known stays
+DetectorOptions fitted_options(const StereoCamera& camera, DetectorOptions options);
 
 /// @throws InputError naming `source`, the option `--preset` and the known names
 Preset preset_named(std::string_view name, const std::string& source);

@@ -184,9 +184,79 @@ TEST(Detector, RefusesAClassifierThatDoesNotAnswerForEveryWindow) {
               ThrowsMessage<InputError>(HasSubstr("answering: probability: found nan")));
 }
 
+constexpr auto kPresets = {Preset::standard, Preset::paper, Preset::robot, Preset::handheld};
+
 TEST(PresetOptions, KeepTheDeclaredRanges) {
-  for (const auto preset : {Preset::standard, Preset::paper})
-    EXPECT_NO_THROW(check_detector_options(preset_options(preset), "preset"));
+  for (const auto preset : kPresets) EXPECT_NO_THROW(check_detector_options(preset_options(preset), "preset"));
+}
+
+StereoCamera kitti_camera() {
+  return {.fx_px = 721.5,
+          .fy_px = 721.5,
+          .cx_px = 609.6,
+          .cx_right_px = 609.6,
+          .cy_px = 172.9,
+          .baseline_m = 0.5372,
+          .width_px = 1242,
+          .height_px = 375,
+          .mount = {}};
+}
+
+TEST(FittedOptions, LeaveACarsCameraAlone) {
+  const auto fitted = list_options(fitted_options(kitti_camera(), {})), standard = list_options(DetectorOptions{});
+  ASSERT_EQ(fitted.size(), standard.size());
+  for (std::size_t i = 0; i < standard.size(); ++i) EXPECT_EQ(fitted[i].value, standard[i].value) << standard[i].path;
+}
+
+TEST(FittedOptions, LookNearerWhereTheRoadIsNearer) {
+  StereoCamera low = kitti_camera();
+  low.mount = {.height_m = 0.3, .pitch_rad = radians(10)};
+  low.baseline_m = 0.12;
+  const DetectorOptions fitted = fitted_options(low, {});
+  const double road_m = 0.3 / std::tan(radians(10) + std::atan((374 - 172.9) / 721.5));
+  EXPECT_LT(fitted.field.x_min_m, road_m);
+  EXPECT_LT(fitted.scan.x_min_m, road_m);
+  EXPECT_NEAR(fitted.road.x_min_m, road_m, 1e-9);
+  EXPECT_LT(fitted.road.x_max_m, 10.0);
+  EXPECT_GT(fitted.evolve.flies, DetectorOptions{}.evolve.flies);
+}
+
+TEST(FittedOptions, EndWhereRangesGetUnsure) {
+  StereoCamera narrow = kitti_camera();
+  narrow.baseline_m = 0.05;
+  const DetectorOptions fitted = fitted_options(narrow, {});
+  EXPECT_LT(fitted.field.x_max_m, 20.0);
+  EXPECT_NEAR(range_deviation_m(narrow, fitted.field.x_max_m) / fitted.field.x_max_m, 0.15, 1e-6);
+}
+
+TEST(FittedOptions, DoNotLookWhereOnlyOneCameraSees) {
+  StereoCamera wide = kitti_camera();
+  wide.baseline_m = 2.0;
+  EXPECT_GT(fitted_options(wide, preset_options(Preset::robot)).field.x_min_m, 2.0);
+}
+
+TEST(FittedOptions, KeepTheDeclaredRangesForAnyCamera) {
+  for (const auto preset : kPresets)
+    for (const double focal_px : {100.0, 700.0, 5000.0})
+      for (const double baseline_m : {0.01, 0.1, 1.0, 10.0})
+        for (const double height_m : {0.05, 0.3, 3.0, 100.0})
+          for (const double pitch_deg : {-45.0, 0.0, 45.0})
+            for (const int size_px : {0, 1, 2000}) {
+              StereoCamera camera = kitti_camera();
+              camera.fx_px = camera.fy_px = focal_px;
+              camera.baseline_m = baseline_m;
+              camera.mount = {height_m, radians(pitch_deg), 0.0};
+              camera.width_px = camera.height_px = size_px;
+              EXPECT_NO_THROW(check_detector_options(fitted_options(camera, preset_options(preset)), "fitted"))
+                  << focal_px << ' ' << baseline_m << ' ' << height_m << ' ' << pitch_deg << ' ' << size_px;
+            }
+}
+
+TEST(Detector, GivesRangesTheirDeviation) {
+  const auto found = Detector(camera()).process(Board().pair());
+  ASSERT_FALSE(found.obstacles.empty());
+  EXPECT_DOUBLE_EQ(found.obstacles[0].range_sd_m, range_deviation_m(camera(), found.obstacles[0].range_m));
+  EXPECT_GT(found.obstacles[0].range_sd_m, 0.0);
 }
 
 TEST(PresetOptions, PaperIsThePapers) {

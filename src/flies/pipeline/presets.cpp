@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <cmath>
+
 #include "flies/core/error.hpp"
 #include "flies/pipeline/detector.hpp"
 
@@ -43,9 +46,114 @@ DetectorOptions paper_options() {
   return o;
 }
 
+/// Floors, table legs, shoes and cables: sizes of rooms instead of roads.
+DetectorOptions robot_options() {
+  DetectorOptions o;
+  o.field = {.x_min_m = 0.3, .x_max_m = 12.0, .y_min_m = -6.0, .y_max_m = 6.0, .z_min_m = 0.03, .z_max_m = 1.6};
+  o.road.x_min_m = 0.4;
+  o.road.x_max_m = 8.0;
+  o.road.half_width_m = 2.0;
+  o.road.max_height_m = 0.1;
+  o.scan.x_min_m = 0.3;
+  o.scan.x_max_m = 30.0;
+  o.scan.z_min_m = 0.05;
+  o.scan.z_max_m = 1.6;
+  o.concentrate.samples = 3;
+  o.concentrate.min_density_share = 0.002;
+  o.concentrate.bin_m = 0.15;
+  o.concentrate.assemble.min_score = 0.006;
+  o.concentrate.assemble.lateral_gap_m = 0.3;
+  o.concentrate.assemble.see_through_gap_m = 0.15;
+  o.concentrate.assemble.max_width_m = 1.5;
+  o.concentrate.assemble.max_surface_m = 3.0;
+  o.concentrate.assemble.min_height_m = 0.05;
+  o.concentrate.assemble.min_extent_m = 0.04;
+  o.concentrate.whole = {.step_m = 0.1,
+                         .step_share = 0.03,
+                         .depth_m = 1.5,
+                         .join_depth_m = 0.3,
+                         .max_width_m = 4.0,
+                         .gap_m = 0.1,
+                         .min_new_width_m = 0.2,
+                         .min_new_confidence = 0.9,
+                         .max_new_range_m = 8.0};
+  return o;
+}
+
+/// What a walker, a hand or a drone before trees sees: steep ground, things of all sizes.
+DetectorOptions handheld_options() {
+  DetectorOptions o = robot_options();
+  o.field = {.x_min_m = 0.3, .x_max_m = 20.0, .y_min_m = -10.0, .y_max_m = 10.0, .z_min_m = 0.15, .z_max_m = 3.0};
+  o.road.x_max_m = 12.0;
+  o.road.max_slope = 0.2;
+  o.road.max_bank = 0.15;
+  o.road.max_height_m = 0.2;
+  o.scan.x_max_m = 60.0;
+  o.scan.z_min_m = 0.2;
+  o.scan.z_max_m = 2.5;
+  o.concentrate.bin_m = 0.25;
+  o.concentrate.assemble.lateral_gap_m = 0.5;
+  o.concentrate.assemble.min_height_m = 0.2;
+  o.concentrate.assemble.min_extent_m = 0.1;
+  o.concentrate.whole.max_new_range_m = 12.0;
+  return o;
+}
+
 }  // namespace
 
-DetectorOptions preset_options(Preset preset) { return preset == Preset::paper ? paper_options() : DetectorOptions{}; }
+DetectorOptions preset_options(Preset preset) {
+  switch (preset) {
+    case Preset::paper:
+      return paper_options();
+    case Preset::robot:
+      return robot_options();
+    case Preset::handheld:
+      return handheld_options();
+    case Preset::standard:
+      break;
+  }
+  return {};
+}
+
+DetectorOptions fitted_options(const StereoCamera& camera, DetectorOptions options) {
+  constexpr double kLeastRange_m = 0.3;
+  constexpr double kNearestDisparityShare = 0.35;  // of the width
+  constexpr double kBeforeTheRoad = 0.7;           // things are seen nearer than the road below them
+  constexpr double kHalfHidden =
+      0.4;  // nearer, more than the lower half of what is as high as the camera is out of view
+  constexpr double kNearestOfCars_m = 4.0;
+  constexpr double kWorstDeviation = 0.15;   // of a range
+  constexpr double kFlattestRoad_px = 40.0;  // below the horizon
+  constexpr double kScanBefore = 0.875, kLatestScan_m = 3.5;
+  constexpr double kNever_m = 1e6;
+  const double scale = camera.fx_px * camera.baseline_m;
+  const double lower_edge_rad =
+      camera.mount.pitch_rad + std::atan((camera.height_px - 1 - camera.cy_px) / camera.fy_px);
+  const double road_m = camera.height_px > 0 && lower_edge_rad > 0.0
+                            ? camera.mount.height_m / std::tan(std::min(lower_edge_rad, 1.5))
+                            : kNever_m;
+  const double both_m = camera.width_px > 0 ? scale / (kNearestDisparityShare * camera.width_px) : 0.0;
+  const double near_m = std::max({kLeastRange_m, both_m, kBeforeTheRoad * road_m});
+  const double far_m = std::max(range_of_deviation_m(camera, kWorstDeviation), 4.0 * near_m);
+
+  auto& field = options.field;
+  const double before = std::log(field.x_max_m / field.x_min_m);
+  field.x_min_m = std::max({std::min(field.x_min_m, near_m), both_m, road_m < kNever_m ? kHalfHidden * road_m : 0.0});
+  field.x_min_m = std::min(field.x_min_m, kNearestOfCars_m);
+  field.x_max_m = std::max(std::min(field.x_max_m, far_m), 2.0 * field.x_min_m);
+  // Flies are spread evenly over the logarithm of the range: as many as before for each piece of it.
+  if (const double now = std::log(field.x_max_m / field.x_min_m); now > before)
+    options.evolve.flies = static_cast<int>(std::lround(options.evolve.flies * now / before));
+  // Matching far more disparities than the scene has makes the scan blind.
+  options.scan.x_min_m = std::clamp(kScanBefore * near_m, 0.2, kLatestScan_m);
+
+  auto& road = options.road;
+  road.x_min_m = std::min(road.x_min_m, std::max(kLeastRange_m, road_m));
+  const double flat_m = camera.fy_px * camera.mount.height_m / kFlattestRoad_px;
+  road.x_max_m = std::max(std::min({road.x_max_m, flat_m, far_m}), 2.5 * road.x_min_m);
+  road.half_width_m = std::min(road.half_width_m, 0.3 * road.x_max_m);
+  return options;
+}
 
 Preset preset_named(std::string_view name, const std::string& source) {
   return static_cast<Preset>(detail::parse_name(name, EnumNames<Preset>::names, "--preset", source));

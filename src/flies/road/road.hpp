@@ -25,9 +25,9 @@ struct RoadOptions {
   static void fields(Self& self, Field&& field) {
     field("estimate", self.estimate, "fit the road plane to the pair; false: the nominal ground z = 0");
     field("probes", self.probes, Range{10, 100000}, "places on the road where its height is looked for");
-    field("x_min_m", self.x_min_m, Range{1, 200}, "nearest probe ahead");
-    field("x_max_m", self.x_max_m, Range{2, 500}, "farthest probe ahead");
-    field("half_width_m", self.half_width_m, Range{0.5, 50}, "probes lie this far to each side of straight ahead");
+    field("x_min_m", self.x_min_m, Range{0.1, 200}, "nearest probe ahead");
+    field("x_max_m", self.x_max_m, Range{0.5, 500}, "farthest probe ahead");
+    field("half_width_m", self.half_width_m, Range{0.1, 50}, "probes lie this far to each side of straight ahead");
     field("max_slope", self.max_slope, Range{0.0, 0.3}, "steepest road looked for, up or down, rise per metre");
     field("max_bank", self.max_bank, Range{0.0, 0.3}, "steepest bank accepted, rise per metre to the left");
     field("max_height_m", self.max_height_m, Range{0.0, 2.0}, "error of the camera height that is made up for");
