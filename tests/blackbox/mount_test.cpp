@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <string>
 
 #include "flies/eval/dataset.hpp"
@@ -16,6 +17,7 @@ struct Case {
   std::string folder;
   double height_m;
 };
+void PrintTo(const Case& c, std::ostream* out) { *out << c.folder; }
 
 class BlackBoxMount : public testing::TestWithParam<Case> {};
 
