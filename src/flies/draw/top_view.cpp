@@ -133,6 +133,9 @@ void put_top_view_legend(cv::Mat& canvas, const GroundPlot& plot, bool has_flies
   };
   heading("obstacle, width and range");
   bar_with_ends([](double fraction) { return range_color(40.0 * fraction); }, "0 m", "40 m");
+  cv::line(canvas, {left + 6, top - 2}, {left + 6, top + 12}, kInk, 1, cv::LINE_AA);
+  put_text(canvas, "range, standard deviation", {left + 22, top + 10}, kInk);
+  top += 24;
   cv::circle(canvas, {left + 6, top + 6}, 6, kPedestrianColor, cv::FILLED, cv::LINE_AA);
   cv::circle(canvas, {left + 6, top + 6}, 6, kInk, 1, cv::LINE_AA);
   put_text(canvas, "pedestrian, range", {left + 22, top + 10}, kInk);
@@ -170,7 +173,7 @@ cv::Mat draw_top_view(const StereoCamera& camera, const Population& flies, const
                       const std::vector<Pedestrian>& pedestrians, const TopView& view, const Scan& scan) {
   using namespace paint;
   const GroundPlot plot = ground_plot(view, {});
-  constexpr int kMinLegendRows_px = 320;
+  constexpr int kMinLegendRows_px = 344;
   cv::Mat canvas(std::max(plot.area.br().y + kBottomMargin_px, kMinLegendRows_px),
                  plot.area.br().x + std::max(kLegendWidth_px, pixel(5.0 * plot.view.pixels_per_m) + 60), CV_8UC3,
                  kWhite);
