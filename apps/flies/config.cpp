@@ -4,11 +4,11 @@
 #include <memory>
 #include <string>
 
-#include "commands.hpp"
 #include "flies/core/options.hpp"
 #include "flies/io/options_yaml.hpp"
-#include "method_arguments.hpp"
-#include "standard_output.hpp"
+#include "shared/commands.hpp"
+#include "shared/method_arguments.hpp"
+#include "shared/standard_output.hpp"
 
 namespace {
 

@@ -12,11 +12,11 @@
 #include <thread>
 #include <vector>
 
-#include "commands.hpp"
 #include "flies/core/options.hpp"
 #include "flies/fitness/fitness.hpp"
 #include "flies/pipeline/detector.hpp"
-#include "standard_output.hpp"
+#include "shared/commands.hpp"
+#include "shared/standard_output.hpp"
 
 namespace {
 

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "command_line.hpp"
-#include "commands.hpp"
-#include "end_on_signal.hpp"
-#include "exit_status.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
-#include "standard_output.hpp"
+#include "shared/command_line.hpp"
+#include "shared/commands.hpp"
+#include "shared/end_on_signal.hpp"
+#include "shared/exit_status.hpp"
+#include "shared/standard_output.hpp"
 
 namespace {
 

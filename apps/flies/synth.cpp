@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "commands.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
 #include "flies/io/calibration.hpp"
@@ -19,9 +18,10 @@
 #include "flies/io/output_file.hpp"
 #include "flies/synth/render.hpp"
 #include "flies/synth/sequence.hpp"
-#include "progress_bar.hpp"
-#include "staged_folder.hpp"
-#include "standard_output.hpp"
+#include "shared/commands.hpp"
+#include "shared/progress_bar.hpp"
+#include "shared/staged_folder.hpp"
+#include "shared/standard_output.hpp"
 
 namespace {
 

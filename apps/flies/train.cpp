@@ -13,14 +13,14 @@
 #include <utility>
 #include <vector>
 
-#include "commands.hpp"
 #include "flies/classify/model_file.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/train/training_report.hpp"
-#include "progress_bar.hpp"
-#include "standard_output.hpp"
+#include "shared/commands.hpp"
+#include "shared/progress_bar.hpp"
+#include "shared/standard_output.hpp"
 
 namespace {
 

@@ -1,0 +1,173 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "flies/core/stereo_camera.hpp"
+#include "flies/io/calibration.hpp"
+#include "flies/pipeline/detector.hpp"
+#include "shared/camera_arguments.hpp"
+#include "shared/commands.hpp"
+#include "shared/standard_output.hpp"
+
+namespace {
+
+struct CalibArguments {
+  std::string file;
+  std::string right_file;
+  std::vector<int> size_px;
+  CameraArguments camera;
+  bool json = false;
+};
+
+flies::CalibrationRequest request_of(const CalibArguments& arguments) {
+  flies::CalibrationRequest request;
+  request.right_path = arguments.right_file;
+  fill_in(request, arguments.camera);
+  if (arguments.size_px.size() == 2) {
+    request.width_px = arguments.size_px[0];
+    request.height_px = arguments.size_px[1];
+  }
+  return request;
+}
+
+/// The angle between the first and the last column (or row), or nothing when the size is not known.
+std::optional<double> field_of_view_deg(double focal_px, double centre_px, int size_px) {
+  if (size_px == 0) return std::nullopt;
+  return flies::degrees(std::atan(centre_px / focal_px) + std::atan((size_px - 1 - centre_px) / focal_px));
+}
+
+/// Ranges that deviations are told for.
+constexpr double kTold_m[] = {2.0, 5.0, 10.0, 20.0};
+
+/// What a patch of a fly covers: a smaller thing may be missed.
+constexpr double kPatchColumns_px = 6.0, kPatchRows_px = 9.0;
+
+std::string deviations(const flies::StereoCamera& camera) {
+  std::string text;
+  for (const double range_m : kTold_m)
+    text += fmt::format("{}{:.2f} m at {:.0f} m", text.empty() ? "" : ", ", flies::range_deviation_m(camera, range_m),
+                        range_m);
+  return text;
+}
+
+std::string smallest(const flies::StereoCamera& camera) {
+  std::string text;
+  for (const double range_m : kTold_m)
+    text += fmt::format("{}{:.0f} x {:.0f} cm at {:.0f} m", text.empty() ? "" : ", ",
+                        100.0 * kPatchColumns_px * range_m / camera.fx_px,
+                        100.0 * kPatchRows_px * range_m / camera.fy_px, range_m);
+  return text;
+}
+
+/// The field of detection of the preset `default` for this camera.
+flies::FieldOptions field_of(const flies::StereoCamera& camera) {
+  return flies::fitted_options(camera, flies::preset_options(flies::Preset::standard)).field;
+}
+
+double depth_at_one_pixel_m(const flies::StereoCamera& camera) { return camera.fx_px * camera.baseline_m; }
+
+/// Where a number of the mount comes from.
+std::string origin(bool on_command_line, bool known) {
+  if (on_command_line) return "command line";
+  return known ? "file" : "default";
+}
+
+std::string table(const flies::Calibration& calibration, const CalibArguments& arguments) {
+  const auto& camera = calibration.camera;
+  std::string text;
+  const auto line = [&](const char* name, const std::string& value) { text += fmt::format("{:<24}{}\n", name, value); };
+  line("format", calibration.format);
+  line("left, right", calibration.left_name + ", " + calibration.right_name);
+  line("images", calibration.rectifier ? "raw, rectified first" : "rectified");
+  line("image size", camera.width_px > 0 ? fmt::format("{} x {} px", camera.width_px, camera.height_px)
+                                         : "not in the file; taken from the images");
+  line("focal length", fmt::format("{:.3f} px across, {:.3f} px down", camera.fx_px, camera.fy_px));
+  line("principal point", fmt::format("({:.3f}, {:.3f}) px", camera.cx_px, camera.cy_px));
+  if (camera.cx_right_px != camera.cx_px)
+    line("  of the right image", fmt::format("({:.3f}, {:.3f}) px", camera.cx_right_px, camera.cy_px));
+  line("baseline", fmt::format("{:.4f} m", camera.baseline_m));
+  line("camera height", fmt::format("{:.3f} m ({})", camera.mount.height_m,
+                                    origin(arguments.camera.height_m.has_value(), calibration.has_height)));
+  line("camera pitch", fmt::format("{:.3f} deg, down is positive ({})", flies::degrees(camera.mount.pitch_rad),
+                                   origin(arguments.camera.pitch_deg.has_value(), calibration.has_pitch)));
+  line("camera roll", fmt::format("{:.3f} deg, left side up is positive", flies::degrees(camera.mount.roll_rad)));
+  const auto across_deg = field_of_view_deg(camera.fx_px, camera.cx_px, camera.width_px);
+  const auto down_deg = field_of_view_deg(camera.fy_px, camera.cy_px, camera.height_px);
+  line("field of view", across_deg && down_deg
+                            ? fmt::format("{:.1f} deg across, {:.1f} deg down", *across_deg, *down_deg)
+                            : "not known without the image size");
+  line("range at 1 px disparity", fmt::format("{:.1f} m", depth_at_one_pixel_m(camera)));
+  line("range error (1 sd)", deviations(camera));
+  line("smallest thing seen", smallest(camera));
+  const flies::FieldOptions field = field_of(camera);
+  line("looked at", fmt::format("{:.1f} to {:.1f} m ahead", field.x_min_m, field.x_max_m));
+  for (const auto& note : calibration.notes) line("note", note);
+  return text;
+}
+
+std::string json(const flies::Calibration& calibration) {
+  const auto& camera = calibration.camera;
+  const flies::FieldOptions field = field_of(camera);
+  const nlohmann::ordered_json object = {
+      {"format", calibration.format},
+      {"left", calibration.left_name},
+      {"right", calibration.right_name},
+      {"rectified", !calibration.rectifier.has_value()},
+      {"fx_px", camera.fx_px},
+      {"fy_px", camera.fy_px},
+      {"cx_px", camera.cx_px},
+      {"cx_right_px", camera.cx_right_px},
+      {"cy_px", camera.cy_px},
+      {"baseline_m", camera.baseline_m},
+      {"width_px", camera.width_px},
+      {"height_px", camera.height_px},
+      {"height_m", camera.mount.height_m},
+      {"height_is_default", !calibration.has_height},
+      {"pitch_deg", flies::degrees(camera.mount.pitch_rad)},
+      {"pitch_is_default", !calibration.has_pitch},
+      {"roll_deg", flies::degrees(camera.mount.roll_rad)},
+      {"range_sd_at_10_m", flies::range_deviation_m(camera, 10.0)},
+      {"field_x_min_m", field.x_min_m},
+      {"field_x_max_m", field.x_max_m},
+      {"notes", calibration.notes},
+  };
+  constexpr int kIndent = 2;
+  return object.dump(kIndent, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+void run_calib(const CalibArguments& arguments) {
+  const auto calibration = flies::load_calibration(arguments.file, request_of(arguments));
+  print(arguments.json ? json(calibration) : table(calibration, arguments));
+}
+
+}  // namespace
+
+void setup_calib(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("calib", "print what a calibration file says, in metres and pixels");
+  const auto arguments = std::make_shared<CalibArguments>();
+  command->add_option("FILE", arguments->file, "calibration; the format is recognised from its content")->required();
+  command->add_option("--right,--right-calib", arguments->right_file,
+                      "second file: the right camera of a ROS pair, or OpenCV's other half (intrinsics beside "
+                      "extrinsics)");
+  add_cameras_option(*command, arguments->camera, "left and right KITTI camera (default 2,3)");
+  command->add_option("--size", arguments->size_px, "image size where the file has none")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(CLI::Range(1, 100000))
+      ->type_name("W,H");
+  add_mount_options(*command, arguments->camera);
+  command->add_flag("--json", arguments->json, "print JSON instead of a table");
+  command->footer(
+      "\nFormats: KITTI object, raw and odometry, OpenCV stereo YAML or XML, ROS camera_info pair,\n"
+      "Middlebury, and the YAML that flies synth writes.\n"
+      "\nExamples:\n"
+      "  flies calib calib_cam_to_cam.txt --cameras 0,1\n"
+      "  flies calib left.yaml --right right.yaml --camera-height 0.98\n"
+      "\nExit status: 0 understood, 2 not.");
+  command->callback([arguments] { run_calib(*arguments); });
+}

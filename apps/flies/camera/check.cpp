@@ -1,0 +1,145 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "flies/diagnose/pair_diagnosis.hpp"
+#include "flies/draw/row_picture.hpp"
+#include "flies/io/calibration.hpp"
+#include "flies/io/images.hpp"
+#include "flies/io/output_file.hpp"
+#include "flies/io/pair_source.hpp"
+#include "shared/camera_arguments.hpp"
+#include "shared/commands.hpp"
+#include "shared/notes.hpp"
+#include "shared/run_diagnosis.hpp"
+#include "shared/standard_output.hpp"
+
+namespace {
+
+struct CheckArguments {
+  std::string left, right, calib, right_calib, picture;
+  CameraArguments camera;
+  bool json = false;
+};
+
+struct Checked {
+  flies::Calibration calibration;
+  std::vector<flies::PairPaths> pairs;
+  RunDiagnosis run;
+};
+
+Checked check(const CheckArguments& arguments) {
+  Checked checked;
+  checked.pairs = flies::find_pairs(arguments.left, arguments.right);
+  const auto& [left, right] = checked.pairs.front();
+  flies::GrayPair images = flies::load_pair(left, right);
+  auto request = calibration_request(arguments.camera, left, right, images.view());
+  request.right_path = arguments.right_calib;
+  checked.calibration = flies::load_calibration(arguments.calib, request);
+  if (checked.calibration.rectifier) images = checked.calibration.rectifier->rectify(images);
+  const flies::RectifiedPair pair = images.view();
+  flies::check_camera_fits(checked.calibration.camera, pair.left.width_px, pair.left.height_px, arguments.calib);
+  checked.run = diagnose(checked.pairs, checked.calibration, {.self_rectify = SelfRectify::off});
+  if (!arguments.picture.empty()) {
+    const auto corners = flies::match_corners(pair);
+    flies::write_png(arguments.picture, flies::draw_rows(pair, corners, checked.run.diagnosis.rows));
+  }
+  return checked;
+}
+
+std::string table(const Checked& checked) {
+  const auto& d = checked.run.diagnosis;
+  std::string text;
+  const auto line = [&](const char* name, const std::string& value) { text += fmt::format("{:<24}{}\n", name, value); };
+  line("pairs", fmt::format("{}, of which up to 5 are looked at", checked.pairs.size()));
+  line("something to match", fmt::format("in {:.0f} % of the left image", 100.0 * d.textured_share));
+  line("found on their row", fmt::format("{:.0f} % of {} places (32 % and more in good pairs of streets)",
+                                         100.0 * d.matched_share(), d.evidence.patches));
+  line("beyond infinity",
+       fmt::format("{:.0f} % of those found (none, if the calibration is right)", 100.0 * d.beyond_share()));
+  line("rows", d.rows
+                   ? fmt::format("{:+.2f} px lower in the right image, {:+.2f} and {:+.2f} px at the sides; {} corners "
+                                 "agree, scatter {:.2f} px",
+                                 d.rows->offset_px, d.rows->at(0.0), d.rows->at(2.0 * d.rows->middle_u_px),
+                                 d.rows->corners, d.rows->scatter_px)
+                   : "too few corners to tell");
+  line("road", d.road_found ? "found" : "not found");
+  const auto& mount = checked.run.mount.mount;
+  line("camera", fmt::format("{:.2f} m above the road, {:.1f} degrees down, {:.1f} to the right: {}", mount.height_m,
+                             flies::degrees(mount.pitch_rad), flies::degrees(mount.roll_rad),
+                             checked.run.mount.is_replaced ? "found, not as given" : "as given"));
+  if (checked.run.notes.empty()) return text + "looks right\n";
+  text += "to check:\n";
+  for (const auto& note : checked.run.notes) text += "  - " + note + "\n";
+  return text;
+}
+
+std::string json(const Checked& checked) {
+  const auto& d = checked.run.diagnosis;
+  nlohmann::ordered_json object = {{"textured_share", d.textured_share},
+                                   {"dark_share", d.dark_share},
+                                   {"bright_share", d.bright_share},
+                                   {"patches", d.evidence.patches},
+                                   {"matched_share", d.matched_share()},
+                                   {"beyond_share", d.beyond_share()},
+                                   {"row_offset_px", nullptr},
+                                   {"row_roll_rad", nullptr},
+                                   {"row_scatter_px", nullptr},
+                                   {"road_found", d.road_found},
+                                   {"camera_height_m", checked.run.mount.mount.height_m},
+                                   {"camera_pitch_rad", checked.run.mount.mount.pitch_rad},
+                                   {"camera_roll_rad", checked.run.mount.mount.roll_rad},
+                                   {"mount_source", checked.run.mount.is_replaced ? "road" : "given"},
+                                   {"looks_right", checked.run.notes.empty()},
+                                   {"notes", checked.run.notes}};
+  if (d.rows) {
+    object["row_offset_px"] = d.rows->offset_px;
+    object["row_roll_rad"] = d.rows->slope;
+    object["row_scatter_px"] = d.rows->scatter_px;
+  }
+  return object.dump(2) + "\n";
+}
+
+void run_check(const CheckArguments& arguments) {
+  const Checked checked = check(arguments);
+  print(arguments.json ? json(checked) : table(checked));
+  std::vector<std::string> notes;
+  for (const auto& note : checked.calibration.notes) notes.push_back(arguments.calib + ": " + note);
+  say_notes(notes);
+}
+
+}  // namespace
+
+void setup_check(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("check", "do these images and this calibration belong together?");
+  const auto arguments = std::make_shared<CheckArguments>();
+  command->add_option("LEFT", arguments->left, "left image, or a folder of left images")->required();
+  command->add_option("RIGHT", arguments->right, "right image, or a folder")->required();
+  command->add_option("--calib", arguments->calib, "calibration of the pair; see `flies calib --help`")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--right-calib", arguments->right_calib, "second file, where left and right have one each")
+      ->type_name("FILE");
+  add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
+  add_calibrated_size_option(*command, arguments->camera);
+  add_mount_options(*command, arguments->camera);
+  command->add_flag("--json", arguments->json, "the same as JSON")->group("Output");
+  command
+      ->add_option("--picture", arguments->picture,
+                   "both images side by side with rows, and corners coloured by how far their rows lie apart")
+      ->type_name("PNG")
+      ->group("Output");
+  command->footer(
+      "\nLooks at how much of the images can be matched at all, how much of the left one is found on the same\n"
+      "row of the right one, whether anything would lie beyond infinity, by how much the rows lie apart, and\n"
+      "whether the road is where the mount of the camera says, and if not, where it is; says what to do about\n"
+      "what is not as it should be.\n"
+      "\nExamples:\n"
+      "  flies check left.png right.png --calib calib.yaml --picture rows.png\n"
+      "  flies check image_00/data image_01/data --calib calib_cam_to_cam.txt --json\n"
+      "\nExit status: 0 done, also when there is something to check; 2 a fault in the input, told in one line.");
+  command->callback([arguments] { run_check(*arguments); });
+}

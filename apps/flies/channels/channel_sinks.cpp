@@ -1,0 +1,64 @@
+#include "channels/channel_sinks.hpp"
+
+#include <chrono>
+#include <vector>
+
+#include "channels/channel_schemas.hpp"
+#include "channels/channels.hpp"
+
+namespace {
+
+std::uint64_t now_ns() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+}
+
+template <class Described>
+std::vector<Described> described_channels() {
+  std::vector<Described> channels;
+  for (const auto& [topic, name] : kChannels)
+    channels.push_back({std::string(topic), std::string(name), channel_schema(std::string(name))});
+  return channels;
+}
+
+}  // namespace
+
+FoxgloveSink::FoxgloveSink(const std::string& address, int port)
+    : server_(address, port, described_channels<flies::FoxgloveChannel>()) {}
+
+void FoxgloveSink::take(const LiveFrame& frame) {
+  const std::uint64_t time_ns = time_ns_of(frame);
+  for (std::size_t i = 0; i < kChannels.size(); ++i) {
+    const auto channel = static_cast<Channel>(i);
+    if (channel != Channel::log && server_.is_wanted(i)) server_.send(i, time_ns, channel_message(channel, frame));
+  }
+}
+
+void FoxgloveSink::note(const std::string& sentence) {
+  const std::uint64_t time_ns = now_ns();
+  server_.send(static_cast<std::size_t>(Channel::log), time_ns, log_message(sentence, time_ns));
+}
+
+RecordSink::RecordSink(const std::string& path) : writer_(path, described_channels<flies::McapChannel>()) {}
+
+void RecordSink::take(const LiveFrame& frame) {
+  for (std::size_t i = 0; i < kChannels.size(); ++i) {
+    const auto channel = static_cast<Channel>(i);
+    if (channel == Channel::log) continue;
+    const std::string message = channel_message(channel, frame);
+    const std::lock_guard lock(mutex_);
+    newest_ns_ = time_ns_of(frame);
+    writer_.write(i, newest_ns_, message);
+  }
+}
+
+void RecordSink::note(const std::string& sentence) {
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t time_ns = newest_ns_ == 0 ? now_ns() : newest_ns_;
+  writer_.write(static_cast<std::size_t>(Channel::log), time_ns, log_message(sentence, time_ns));
+}
+
+void RecordSink::close() {
+  const std::lock_guard lock(mutex_);
+  writer_.close();
+}

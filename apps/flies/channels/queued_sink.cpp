@@ -1,0 +1,59 @@
+#include "channels/queued_sink.hpp"
+
+#include <utility>
+
+QueuedSink::QueuedSink(LiveSink& sink, std::size_t most, std::function<void()> left_out)
+    : sink_(sink), most_(most), left_out_(std::move(left_out)), thread_([this] { work(); }) {}
+
+QueuedSink::~QueuedSink() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_ending_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void QueuedSink::take(const LiveFrame& frame) {
+  std::function<void()> tell;
+  {
+    const std::lock_guard lock(mutex_);
+    if (failure_) std::rethrow_exception(failure_);
+    waiting_.push_back(frame);
+    if (waiting_.size() > most_) {
+      waiting_.pop_front();
+      tell = std::exchange(left_out_, {});
+    }
+  }
+  changed_.notify_all();
+  if (tell) tell();
+}
+
+void QueuedSink::work() {
+  while (true) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return is_ending_ || !waiting_.empty(); });
+    if (waiting_.empty()) return;
+    const LiveFrame frame = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    try {
+      sink_.take(frame);
+    } catch (...) {
+      lock.lock();
+      failure_ = std::current_exception();
+      waiting_.clear();
+      return;
+    }
+  }
+}
+
+void QueuedSink::finish() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_ending_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+  if (failure_) std::rethrow_exception(failure_);
+}

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "live/live_frame.hpp"
+
+/// Gives another sink a thread of its own, so that whoever takes long, to encode pictures say, holds up nobody else.
+class QueuedSink final : public LiveSink {
+ public:
+  /// @param most frames may wait; of more the oldest are left out
+  /// @param left_out called once, when that happens for the first time; may be empty
+  QueuedSink(LiveSink& sink, std::size_t most, std::function<void()> left_out = {});
+  ~QueuedSink() override;
+  QueuedSink(const QueuedSink&) = delete;
+  QueuedSink& operator=(const QueuedSink&) = delete;
+
+  /// @throws whatever the other sink threw
+  void take(const LiveFrame& frame) override;
+  void note(const std::string& sentence) override { sink_.note(sentence); }
+
+  /// Waits until the other sink has taken everything. @throws whatever it threw
+  void finish();
+
+ private:
+  void work();
+
+  LiveSink& sink_;
+  std::size_t most_;
+  std::function<void()> left_out_;
+  std::mutex mutex_;  ///< of what follows
+  std::condition_variable changed_;
+  std::deque<LiveFrame> waiting_;
+  bool is_ending_ = false;
+  std::exception_ptr failure_;
+  std::thread thread_;  ///< last: it uses all of the above
+};

@@ -1,0 +1,233 @@
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "detect/detect_outputs.hpp"
+#include "detect/detect_pictures.hpp"
+#include "flies/core/error.hpp"
+#include "flies/io/calibration.hpp"
+#include "flies/io/images.hpp"
+#include "flies/io/output_file.hpp"
+#include "flies/io/pair_check.hpp"
+#include "flies/io/pair_source.hpp"
+#include "flies/io/writers.hpp"
+#include "flies/pipeline/detector.hpp"
+#include "shared/camera_arguments.hpp"
+#include "shared/commands.hpp"
+#include "shared/method_arguments.hpp"
+#include "shared/notes.hpp"
+#include "shared/progress_bar.hpp"
+#include "shared/result_table.hpp"
+#include "shared/run_diagnosis.hpp"
+#include "shared/standard_output.hpp"
+
+namespace {
+
+struct DetectArguments {
+  std::string left, right;
+  std::string calib, right_calib;
+  CameraArguments camera;
+  std::string model;
+  RunCorrections corrections;
+  MethodArguments method;
+  DetectOutputs outputs;
+};
+
+std::vector<std::string> other_inputs(const DetectArguments& arguments) {
+  std::vector<std::string> inputs = {arguments.calib};
+  for (const auto& path : {arguments.right_calib, arguments.method.options_file, arguments.model})
+    if (!path.empty()) inputs.push_back(path);
+  return inputs;
+}
+
+std::vector<std::string> calibration_notes(const flies::Calibration& calibration, const std::string& path) {
+  std::vector<std::string> notes;
+  for (const auto& note : calibration.notes) notes.push_back(path + ": " + note);
+  return notes;
+}
+
+/// The files of one pair, each whole or not at all.
+void write_frame(const ProcessedFrame& frame, const std::string& name, const DetectOutputs& outputs, bool is_single) {
+  const auto write_picture = [&](const std::string& path, const auto& draw) {
+    if (!path.empty()) flies::write_png(path_of_frame(path, name, is_single), draw(frame));
+  };
+  write_picture(outputs.overlay, overlay_picture);
+  write_picture(outputs.top_view, top_view_picture);
+  write_picture(outputs.flies, fitness_picture);
+  write_picture(outputs.histogram, histogram_picture);
+  write_picture(outputs.concentrating, concentrating_picture);
+  if (!outputs.ply.empty())
+    flies::write_file(path_of_frame(outputs.ply, name, is_single), flies::ply_text(frame.detection->evolved.flies));
+}
+
+struct FirstPair {
+  std::size_t index = 0;
+  flies::GrayPair images;
+};
+
+/// The first pair that can be read, which calibrations that do not tell their size are held against.
+/// @throws flies::InputError of the first pair when none can
+FirstPair first_readable(const std::vector<flies::PairPaths>& pairs) {
+  std::optional<flies::InputError> fault;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    try {
+      return {i, flies::load_pair(pairs[i].left, pairs[i].right)};
+    } catch (const flies::InputError& error) {
+      if (!fault) fault = error;
+    }
+  }
+  throw flies::InputError(*fault);
+}
+
+void run_detect(const DetectArguments& arguments) {
+  const flies::DetectorOptions unfitted = effective_options(arguments.method);
+  const auto classifier = classifier_for(arguments.method.preset, arguments.model);
+  const auto pairs = flies::find_pairs(arguments.left, arguments.right);
+  const bool is_single = pairs.size() == 1;
+  check_outputs(arguments.outputs, pairs, other_inputs(arguments));
+
+  // The detector keeps to its own arena; this holds OpenCV, which runs on oneTBB too, to the same number.
+  std::optional<tbb::global_control> thread_limit;
+  if (unfitted.threads > 0)
+    thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(unfitted.threads));
+
+  auto [first, images] = first_readable(pairs);
+  auto request = calibration_request(arguments.camera, pairs[first].left, pairs[first].right, images.view());
+  request.right_path = arguments.right_calib;
+  flies::Calibration calibration = flies::load_calibration(arguments.calib, request);
+  if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+  flies::check_camera_fits(calibration.camera, images.view().left.width_px, images.view().left.height_px,
+                           arguments.calib);
+  calibration.camera.width_px = images.view().left.width_px;
+  calibration.camera.height_px = images.view().left.height_px;
+  const RunDiagnosis run = diagnose(pairs, calibration, arguments.corrections);
+  const flies::DetectorOptions options = effective_options(arguments.method, calibration.camera);
+  flies::Detector detector(calibration.camera, options, classifier);
+  constexpr auto kLines = flies::OutputFile::Kind::lines;
+  std::optional<flies::OutputFile> json, csv, scan;
+  if (!arguments.outputs.json.empty()) json.emplace(arguments.outputs.json, kLines);
+  if (!arguments.outputs.csv.empty()) csv.emplace(arguments.outputs.csv, kLines).write(flies::csv_header());
+  if (!arguments.outputs.scan.empty()) scan.emplace(arguments.outputs.scan, kLines).write(flies::scan_csv_header());
+
+  // The table goes to the terminal that the bar would be drawn on.
+  const DetectOutputs& outputs = arguments.outputs;
+  const bool prints = !outputs.any() || outputs.json == "-" || outputs.csv == "-" || outputs.scan == "-";
+  const ProgressBar progress(prints ? 0 : pairs.size());
+  std::vector<std::string> faults;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto& [left_path, right_path] = pairs[i];
+    flies::FrameRecord record{.frame = static_cast<int>(i),
+                              .left = left_path,
+                              .right = right_path,
+                              .seed = options.seed,
+                              .preset = preset_name(unfitted),
+                              .obstacles = {},
+                              .pedestrians = {},
+                              .scan = {},
+                              .diagnosis = run.record(),
+                              .error = {}};
+    std::optional<flies::Detection> detection;
+    try {
+      if (i != first) {
+        images = flies::load_pair(left_path, right_path);
+        if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+        flies::check_camera_fits(calibration.camera, images.view().left.width_px, images.view().left.height_px,
+                                 left_path);
+      }
+      run.correct(images);
+      flies::check_true_pair(images.view(), calibration.camera, left_path, right_path);
+      detection = detector.process(images.view());
+      record.obstacles = detection->obstacles;
+      record.pedestrians = detection->pedestrians;
+      record.scan = detection->scan;
+      record.stage_ms = detection->stage_ms;
+    } catch (const flies::InputError& fault) {  // costs this pair, not the others
+      if (is_single) throw;
+      faults.emplace_back(fault.what());
+      record.error = fault.what();
+    }
+    if (json) json->write(flies::json_line(record));
+    if (csv) csv->write(flies::csv_rows(record));
+    if (scan && detection) scan->write(flies::scan_csv_rows(record));
+    if (detection && !arguments.outputs.any()) print(result_table(record));
+    if (detection)
+      write_frame({images.view(), calibration.camera, options, &*detection, static_cast<std::uint32_t>(i)},
+                  file_stem(left_path), arguments.outputs, is_single);
+    progress.show(i + 1);
+  }
+  if (faults.size() == pairs.size())
+    throw flies::InputError(arguments.left, "", "no pair could be used; the first: " + faults.front());
+  if (json) json->commit();
+  if (csv) csv->commit();
+  if (scan) scan->commit();
+  auto notes = calibration_notes(calibration, arguments.calib);
+  for (const auto& note : run.notes) notes.push_back(pairs[first].left + ": " + note);
+  say_notes(notes);
+  if (!faults.empty())
+    throw flies::InputError(arguments.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),
+                            "could not be used, the others were; the first: " + faults.front());
+}
+
+void add_input_options(CLI::App& command, DetectArguments& arguments) {
+  command.add_option("LEFT", arguments.left, "left image, or a folder of left images")->required();
+  command.add_option("RIGHT", arguments.right, "right image, or a folder; the images pair up in name order")
+      ->required();
+  command.add_option("--calib", arguments.calib, "calibration of the pair; see `flies calib --help`")
+      ->type_name("FILE")
+      ->required();
+  command.add_option("--right-calib", arguments.right_calib, "second file, where left and right have one each")
+      ->type_name("FILE");
+  add_cameras_option(command, arguments.camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
+  add_calibrated_size_option(command, arguments.camera);
+  add_mount_options(command, arguments.camera);
+  add_correction_options(command, arguments.corrections);
+}
+
+void add_output_options(CLI::App& command, DetectOutputs& outputs) {
+  const auto add = [&](const char* name, std::string& path, const char* meaning, const char* type) {
+    command.add_option(name, path, meaning)->type_name(type)->group("Output");
+  };
+  add("--json", outputs.json, "one JSON object a line, a line a pair; - is standard output", "FILE");
+  add("--csv", outputs.csv, "one line an obstacle or pedestrian; - is standard output", "FILE");
+  add("--scan", outputs.scan, "one line a sector of the scan; - is standard output", "FILE");
+  add("--ply", outputs.ply, "flies as a point cloud, coloured by fitness", "FILE");
+  add("--overlay", outputs.overlay, "boxes and ranges on the left image, free road in green", "PNG");
+  add("--top-view", outputs.top_view, "bird's-eye view of obstacles and free ground, in metres", "PNG");
+  add("--flies", outputs.flies, "random flies coloured by fitness, Eq. (1) and Eq. (2)", "PNG");
+  add("--histogram", outputs.histogram, "view-angle of the nearest pedestrian, else obstacle: fitness over x", "PNG");
+  add("--concentrating", outputs.concentrating, "sample points, objects kept, boxes to classify", "PNG");
+}
+
+}  // namespace
+
+void setup_detect(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("detect", "find obstacles and pedestrians in pairs of images");
+  const auto arguments = std::make_shared<DetectArguments>();
+  add_input_options(*command, *arguments);
+  add_method_options(*command, arguments->method);
+  command
+      ->add_option("--model", arguments->model,
+                   "people model: a name that `flies info` lists, a model file or a network")
+      ->type_name("NAME|FILE")
+      ->group("Method");
+  add_output_options(*command, arguments->outputs);
+  command->footer(
+      "\nImages are PNG, JPEG, PGM or TIFF, grey or colour, 8 or 16 bit. Every option of the method can be\n"
+      "given by its dotted name, e.g. --evolve.flies 3000; `flies config --list` prints them all with their\n"
+      "range, default and meaning. The preset is overruled by --options FILE, and that by the command line.\n"
+      "Without output options a table is printed. On folders, files written per pair carry the name of the\n"
+      "left image: --overlay found.png writes found_0000000012.png. Files appear when they are complete;\n"
+      "an interrupted run keeps the finished lines of --json, --csv and --scan. In folders, a pair that\n"
+      "cannot be used gets a line with its error, and the run ends with status 2 after the others.\n"
+      "\nExamples:\n"
+      "  flies detect left.png right.png --calib calib.txt\n"
+      "  flies detect image_00/data image_01/data --calib calib_cam_to_cam.txt --json found.jsonl\n"
+      "  flies detect left.png right.png --calib calib.txt --overlay found.png --top-view above.png\n"
+      "\nExit status: 0 done, also when nothing was found; 2 a fault in the input, told in one line.");
+  command->callback([arguments] { run_detect(*arguments); });
+}

@@ -1,0 +1,303 @@
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <opencv2/core/utility.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "evaluate/evaluation_report.hpp"
+#include "flies/classify/people_classifier.hpp"
+#include "flies/core/error.hpp"
+#include "flies/core/options.hpp"
+#include "flies/eval/dataset.hpp"
+#include "flies/eval/evaluation.hpp"
+#include "flies/eval/sequence.hpp"
+#include "flies/eval/unlabelled.hpp"
+#include "flies/io/output_file.hpp"
+#include "shared/camera_arguments.hpp"
+#include "shared/commands.hpp"
+#include "shared/method_arguments.hpp"
+#include "shared/notes.hpp"
+#include "shared/progress_bar.hpp"
+#include "shared/run_diagnosis.hpp"
+#include "shared/standard_output.hpp"
+
+namespace {
+
+using Overrides = std::vector<std::pair<std::string, std::string>>;
+
+struct EvaluateArguments {
+  std::string folder;
+  std::string calib;
+  CameraArguments camera;
+  bool find_mount = true;
+  int start = 0, step = 1;
+  std::optional<int> end;
+  std::vector<std::string> detections;
+  std::vector<std::string> yardsticks;
+  int seeds = 5;
+  std::string model;
+  MethodArguments method;
+  Overrides match, people, estimate, sectors, dense, hog, tracker;  ///< dotted name and text
+  std::string unlabelled, json, plot, scan_plot;
+  bool missed = false;
+  std::optional<bool> sequence;  ///< nothing: where it can be followed
+};
+
+flies::DatasetRequest dataset_request(const EvaluateArguments& arguments) {
+  flies::DatasetRequest request;
+  request.calib = arguments.calib;
+  fill_in(request, arguments.camera);
+  request.find_mount = arguments.find_mount;
+  return request;
+}
+
+template <class Options>
+Options with_overrides(const Overrides& overrides) {
+  Options options;
+  for (const auto& [path, text] : overrides) flies::set_option(options, path, text, "command line");
+  return options;
+}
+
+std::vector<std::size_t> frames_of(const EvaluateArguments& arguments, std::size_t count) {
+  std::vector<std::size_t> frames;
+  const std::size_t end = arguments.end ? std::min(static_cast<std::size_t>(*arguments.end), count) : count;
+  for (auto i = static_cast<std::size_t>(arguments.start); i < end; i += static_cast<std::size_t>(arguments.step))
+    frames.push_back(i);
+  if (frames.empty() && static_cast<std::size_t>(arguments.start) < count)
+    throw flies::InputError(
+        "command line", "--end",
+        fmt::format("found {}, expected more than --start, which is {}", *arguments.end, arguments.start));
+  if (frames.empty())
+    throw flies::InputError("command line", "--start",
+                            fmt::format("found {}, but {} has {} pairs", arguments.start, arguments.folder, count));
+  return frames;
+}
+
+flies::EvaluationOptions measuring_of(const EvaluateArguments& arguments) {
+  return {with_overrides<flies::MatchOptions>(arguments.match), with_overrides<flies::PeopleOptions>(arguments.people),
+          with_overrides<flies::EstimateOptions>(arguments.estimate),
+          with_overrides<flies::SectorOptions>(arguments.sectors)};
+}
+
+/// What is held against the method: a dense matcher, a search of the whole image for people, or another preset.
+flies::Method yardstick(const std::string& name, const flies::DetectorOptions& options,
+                        const EvaluateArguments& arguments, bool is_sequence) {
+  constexpr const auto& kMatchers = flies::EnumNames<flies::DenseMatcher>::names;
+  constexpr const auto& kSearches = flies::EnumNames<flies::HogDetector>::names;
+  constexpr const auto& kPresets = flies::EnumNames<flies::Preset>::names;
+  if (const auto matcher = std::find(kMatchers.begin(), kMatchers.end(), name); matcher != kMatchers.end())
+    return flies::dense_method(static_cast<flies::DenseMatcher>(matcher - kMatchers.begin()), options,
+                               with_overrides<flies::DenseOptions>(arguments.dense), measuring_of(arguments));
+  if (const auto search = std::find(kSearches.begin(), kSearches.end(), name); search != kSearches.end()) {
+    const auto detector = static_cast<flies::HogDetector>(search - kSearches.begin());
+    return flies::hog_method(detector, with_overrides<flies::HogOptions>(arguments.hog));
+  }
+  const auto preset = std::find(kPresets.begin(), kPresets.end(), name);
+  if (preset == kPresets.end())
+    throw flies::InputError(
+        "command line", "--yardstick",
+        fmt::format(
+            "found '{}', expected sgbm, sgbm-3way, hog-48x96, hog-64x128, or a preset: default, paper, robot, handheld",
+            name));
+  flies::DetectorOptions of_preset = flies::preset_options(static_cast<flies::Preset>(preset - kPresets.begin()));
+  of_preset.seed = options.seed;
+  of_preset.threads = options.threads;
+  return flies::flies_method(name, of_preset, arguments.seeds, classifier_for(name, arguments.model), is_sequence,
+                             measuring_of(arguments));
+}
+
+std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const flies::DetectorOptions& options,
+                                      const flies::Dataset& dataset) {
+  const auto classifier = classifier_for(arguments.method.preset, arguments.model);
+  std::vector<flies::Method> methods;
+  if (arguments.detections.empty()) {
+    methods.push_back(flies::flies_method(arguments.method.preset, options, arguments.seeds, classifier,
+                                          dataset.is_sequence, measuring_of(arguments)));
+  } else {
+    std::vector<std::vector<flies::ReportedFrame>> runs;
+    for (const auto& file : arguments.detections)
+      runs.push_back(flies::match_detections(flies::read_detections(file), dataset.pairs, file));
+    methods.push_back(flies::reported_method("reported", std::move(runs)));
+  }
+  for (const auto& name : arguments.yardsticks)
+    methods.push_back(yardstick(name, options, arguments, dataset.is_sequence));
+  return methods;
+}
+
+/// Whether the pairs are to be followed as one sequence as well.
+bool wants_sequence(const EvaluateArguments& arguments, const flies::Dataset& dataset) {
+  const bool can_follow = flies::is_followable(dataset) && arguments.step == 1;
+  if (!arguments.sequence.value_or(can_follow && arguments.detections.empty())) return false;
+  if (arguments.step != 1)
+    throw flies::InputError("command line", "--sequence",
+                            fmt::format("needs every pair, expected --step 1, found {}", arguments.step));
+  if (!flies::is_followable(dataset))
+    throw flies::InputError(arguments.folder, "--sequence",
+                            "times and motion of the pairs are not known, expected a KITTI drive with oxts from its "
+                            "first pair on");
+  return true;
+}
+
+flies::SequenceResult follow(const EvaluateArguments& arguments, const flies::Dataset& dataset,
+                             const std::vector<std::size_t>& frames, const EvaluationContext& context) {
+  const ProgressBar progress(frames.size(), "pairs followed");
+  return flies::evaluate_sequence(dataset, frames.front(), frames.back() + 1, context.options, context.tracker,
+                                  classifier_for(arguments.method.preset, arguments.model), context.measuring,
+                                  [&](std::size_t done) { progress.show(done); });
+}
+
+void run_evaluate(const EvaluateArguments& arguments) {
+  EvaluationContext context;
+  context.folder = arguments.folder;
+  context.preset = arguments.method.preset;
+  context.options = effective_options(arguments.method);
+  context.measuring = measuring_of(arguments);
+  context.dense = with_overrides<flies::DenseOptions>(arguments.dense);
+  context.tracker = with_overrides<flies::TrackerOptions>(arguments.tracker);
+  context.hog = with_overrides<flies::HogOptions>(arguments.hog);
+
+  flies::Dataset dataset = flies::open_dataset(arguments.folder, dataset_request(arguments));
+  if (!arguments.unlabelled.empty())
+    dataset =
+        flies::with_unlabelled(std::move(dataset), flies::read_unlabelled(arguments.unlabelled), arguments.unlabelled);
+  context.kind = dataset.kind;
+  context.options = effective_options(arguments.method, dataset.load(0).camera);
+  const auto frames = frames_of(arguments, dataset.pairs.size());
+  const bool follows = wants_sequence(arguments, dataset);
+  const auto methods = methods_of(arguments, context.options, dataset);
+  std::optional<flies::OutputFile> json;
+  if (!arguments.json.empty()) json.emplace(arguments.json);
+
+  // Threads of the flies, and as many for OpenCV's matching.
+  std::optional<tbb::global_control> thread_limit;
+  if (context.options.threads > 0) {
+    thread_limit.emplace(tbb::global_control::max_allowed_parallelism,
+                         static_cast<std::size_t>(context.options.threads));
+    cv::setNumThreads(context.options.threads);
+  }
+  std::optional<ProgressBar> progress(std::in_place, frames.size());
+  const auto evaluation =
+      flies::evaluate(dataset, frames, methods, context.measuring, [&](std::size_t done) { progress->show(done); });
+  progress.reset();
+  std::optional<flies::SequenceResult> sequence;
+  if (follows) sequence = follow(arguments, dataset, frames, context);
+
+  say_notes(dataset.notes);
+  if (!arguments.plot.empty()) flies::write_png(arguments.plot, people_curves(evaluation));
+  if (!arguments.scan_plot.empty()) flies::write_png(arguments.scan_plot, scan_curves(evaluation));
+  if (json) {
+    json->write(evaluation_json(evaluation, context, sequence));
+    json->commit();
+  }
+  if (arguments.json == "-") return;
+  print(evaluation_table(evaluation, context));
+  if (sequence) print(sequence_table(*sequence, context));
+  if (arguments.missed) print(missed_table(evaluation));
+}
+
+void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
+  command
+      .add_option("TRUTH", arguments.folder,
+                  "KITTI drive, object or stereo folder, result of flies synth, or foot points of people")
+      ->required();
+  add_cameras_option(command, arguments.camera, "of a KITTI drive, e.g. 2,3; else 0,1 when there, else 2,3");
+  command.add_option("--calib", arguments.calib, "calibration, where the folder holds none")->type_name("FILE");
+  add_mount_options(command, arguments.camera);
+  add_mount_option(command, arguments.find_mount);
+  command
+      .add_option("--unlabelled", arguments.unlabelled,
+                  "people who are real but not labelled, to be ignored: name,left,top,width,height a line")
+      ->type_name("FILE");
+  command.add_option("--start", arguments.start, "first pair, from 0")->check(CLI::NonNegativeNumber)->type_name("N");
+  command.add_option("--end", arguments.end, "pair to stop before, from 0; else all")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
+  command.add_option("--step", arguments.step, "every so many pairs")->check(CLI::PositiveNumber)->type_name("N");
+}
+
+template <class Options>
+void add_dotted_options(CLI::App& command, const std::string& name, Overrides& overrides) {
+  for (const auto& listing : flies::list_options(Options{}))
+    command
+        .add_option_function<std::string>(
+            "--" + (name.empty() ? listing.path : name + "." + listing.path),
+            [&overrides, path = listing.path](const std::string& text) { overrides.emplace_back(path, text); },
+            fmt::format("{}; {}, default {}", listing.meaning, listing.allowed, listing.value))
+        ->type_name("N")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->group("Measuring");
+}
+
+}  // namespace
+
+void setup_evaluate(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("evaluate", "measure obstacles and people against known truth");
+  const auto arguments = std::make_shared<EvaluateArguments>();
+  add_truth_options(*command, *arguments);
+  command
+      ->add_option("--detections", arguments->detections,
+                   "JSON Lines of any program instead of detecting now; given again: another run")
+      ->allow_extra_args(false)
+      ->type_name("FILE");
+  add_method_options(*command, arguments->method);
+  command->add_option("--seeds", arguments->seeds, "runs with seeds from --seed upwards, default 5")
+      ->check(CLI::Range(1, 10000))
+      ->type_name("N")
+      ->group("Method");
+  command
+      ->add_option("--model", arguments->model,
+                   "people model: a name that `flies info` lists, a model file or a network")
+      ->type_name("NAME|FILE")
+      ->group("Method");
+  command
+      ->add_option("--yardstick", arguments->yardsticks,
+                   "measured in the same run: sgbm, sgbm-3way (OpenCV's dense matching), hog-48x96, hog-64x128\n"
+                   "(OpenCV's search of the whole image for people), or a preset")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("LIST")
+      ->group("Method");
+  add_dotted_options<flies::DenseOptions>(*command, "dense", arguments->dense);
+  add_dotted_options<flies::HogOptions>(*command, "hog", arguments->hog);
+  add_dotted_options<flies::MatchOptions>(*command, "match", arguments->match);
+  add_dotted_options<flies::SectorOptions>(*command, "sectors", arguments->sectors);
+  add_dotted_options<flies::PeopleOptions>(*command, "people", arguments->people);
+  add_dotted_options<flies::EstimateOptions>(*command, "estimate", arguments->estimate);
+  add_dotted_options<flies::TrackerOptions>(*command, "", arguments->tracker);
+  command
+      ->add_flag_function(
+          "--sequence,!--no-sequence", [arguments](std::int64_t count) { arguments->sequence = count > 0; },
+          "follow the pairs as one sequence and measure tracks; default where times and motion are known")
+      ->group("Method");
+  command->add_flag("--missed", arguments->missed, "list what was missed and, of people, false alarms, pair by pair")
+      ->group("Output");
+  command->add_option("--plot", arguments->plot, "people: miss rate over false alarms a pair, as PNG")
+      ->type_name("FILE")
+      ->group("Output");
+  command->add_option("--scan-plot", arguments->scan_plot, "the scan: blind over ghost sectors, as PNG")
+      ->type_name("FILE")
+      ->group("Output");
+  command->add_option("--json", arguments->json, "all numbers as JSON; - is standard output, without the table")
+      ->type_name("FILE")
+      ->group("Output");
+  command->footer(
+      "\nThe kind of truth is recognised from the folder's content; docs/evaluation.md describes each\n"
+      "kind, the measures and the JSON. Times are those of one pair after another. --start 0 --step 2\n"
+      "takes the even pairs, --start 1 --step 2 the odd ones, --end 30 the first thirty.\n"
+      "\nExamples:\n"
+      "  flies evaluate 2011_09_26/2011_09_26_drive_0005_sync --yardstick sgbm,sgbm-3way\n"
+      "  flies evaluate kitti/object/training --preset paper --missed\n"
+      "  flies synth street --frames 20 && flies evaluate street --json measures.json\n"
+      "  flies evaluate street --detections found.jsonl\n"
+      "  flies evaluate kitti/stereo2012 --start 1 --step 2 --yardstick sgbm-3way\n"
+      "  flies evaluate eth_bahnhof/rectified --camera-height 0.98 --yardstick hog-48x96 --missed\n"
+      "\nExit status: 0 done, 2 a fault in the input, told in one line.");
+  command->callback([arguments] { run_evaluate(*arguments); });
+}

@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "evaluate/classifier_report.hpp"
+#include "flies/classify/people_classifier.hpp"
+#include "flies/core/error.hpp"
+#include "flies/core/options.hpp"
+#include "flies/eval/window_data.hpp"
+#include "flies/io/output_file.hpp"
+#include "shared/commands.hpp"
+#include "shared/progress_bar.hpp"
+#include "shared/standard_output.hpp"
+
+namespace {
+
+constexpr std::array kFalsePositives = {1e-4, 1e-3, 1e-2};
+
+struct ClassifierArguments {
+  std::vector<std::string> models;
+  std::string data;
+  std::vector<std::pair<std::string, std::string>> sampling, estimate;  ///< name and text
+  int threads = 1;
+  std::string json, html, plot;
+};
+
+template <class Options>
+Options with_overrides(const std::vector<std::pair<std::string, std::string>>& overrides) {
+  Options options;
+  for (const auto& [path, text] : overrides) flies::set_option(options, path, text, "command line");
+  return options;
+}
+
+/// Scores in log-odds, where the surest windows stay apart that as probabilities are all about 1. Adds the time it
+/// takes to `ms`.
+flies::WindowClassifier timed_classifier(std::shared_ptr<const flies::PeopleClassifier> classifier, double& ms) {
+  return [classifier, &ms](const flies::GrayView& image, std::span<const flies::ImageBox> windows) {
+    const auto start = std::chrono::steady_clock::now();
+    auto scores = classifier->classify(image, windows);
+    ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    for (double& score : scores) score = std::log(score / (1.0 - score));
+    return scores;
+  };
+}
+
+std::string command_line(const ClassifierArguments& arguments) {
+  std::string text = "flies evaluate-classifier";
+  for (const auto& model : arguments.models) text += " " + model;
+  text += " --data " + arguments.data;
+  for (const auto& [name, value] : arguments.sampling) text += fmt::format(" --{} {}", name, value);
+  for (const auto& [name, value] : arguments.estimate) text += fmt::format(" --estimate.{} {}", name, value);
+  return text;
+}
+
+std::optional<flies::OutputFile> output(const std::string& path) {
+  std::optional<flies::OutputFile> file;
+  if (!path.empty()) file.emplace(path);
+  return file;
+}
+
+void run_evaluate_classifier(const ClassifierArguments& arguments) {
+  ClassifierContext context{arguments.data, command_line(arguments),
+                            with_overrides<flies::WindowSampling>(arguments.sampling),
+                            with_overrides<flies::EstimateOptions>(arguments.estimate)};
+  std::vector<ClassifierResult> results;
+  std::vector<std::shared_ptr<const flies::PeopleClassifier>> models;
+  for (const auto& name : arguments.models) {
+    models.push_back(flies::people_classifier(name));
+    results.push_back({name, {}, {}, 0.0});
+  }
+  const flies::WindowData data = flies::open_window_data(arguments.data);
+  // Opened first, so that a place that cannot be written shows before the work.
+  auto json = output(arguments.json), html = output(arguments.html);
+
+  std::vector<double> times_ms(models.size(), 0.0);
+  std::vector<flies::WindowClassifier> classifiers;
+  for (std::size_t i = 0; i < models.size(); ++i) classifiers.push_back(timed_classifier(models[i], times_ms[i]));
+  std::optional<ProgressBar> progress(std::in_place, flies::count_pictures(data), "pictures");
+  tbb::task_arena arena(arguments.threads == 0 ? tbb::task_arena::automatic : arguments.threads);
+  auto scores = arena.execute([&] {
+    return flies::score_windows(data, classifiers, context.sampling, [&](std::size_t done) { progress->show(done); });
+  });
+  progress.reset();
+
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    std::size_t windows = 0;
+    for (const auto& set : scores[i].positives) windows += set.scores.size();
+    for (const auto& picture : scores[i].negatives) windows += picture.size();
+    results[i].us_per_window = 1000.0 * times_ms[i] / static_cast<double>(windows);
+    results[i].rates = flies::detection_rates(scores[i], kFalsePositives, context.estimate);
+    results[i].scores = std::move(scores[i]);
+  }
+  if (json) json->write(classifier_json(results, context));
+  if (html) html->write(classifier_html(results, context));
+  if (!arguments.plot.empty()) flies::write_png(arguments.plot, classifier_curves(results));
+  if (json) json->commit();
+  if (html) html->commit();
+  if (arguments.json != "-" && arguments.html != "-") print(classifier_table(results, context));
+}
+
+template <class Options>
+void add_listed_options(CLI::App& command, const std::string& prefix,
+                        std::vector<std::pair<std::string, std::string>>& overrides) {
+  for (const auto& listing : flies::list_options(Options{}))
+    command
+        .add_option_function<std::string>(
+            "--" + prefix + listing.path,
+            [&overrides, path = listing.path](const std::string& text) { overrides.emplace_back(path, text); },
+            fmt::format("{}; {}, default {}", listing.meaning, listing.allowed, listing.value))
+        ->type_name("N")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->group("Measuring");
+}
+
+}  // namespace
+
+void setup_evaluate_classifier(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("evaluate-classifier", "measure people models on windows, side by side");
+  const auto arguments = std::make_shared<ClassifierArguments>();
+  command->add_option("MODEL", arguments->models, "people models: names that `flies info` lists, files or networks")
+      ->required()
+      ->type_name("NAME|FILE");
+  command
+      ->add_option("--data", arguments->data,
+                   "folder with positives (a window a picture, sub-folders are sets) and negatives (pictures)")
+      ->required()
+      ->type_name("DIR");
+  command->add_option("--threads", arguments->threads, "worker threads, 0 for one per core; default 1")
+      ->check(CLI::Range(0, 256))
+      ->type_name("N");
+  add_listed_options<flies::WindowSampling>(*command, "", arguments->sampling);
+  add_listed_options<flies::EstimateOptions>(*command, "estimate.", arguments->estimate);
+  command->add_option("--json", arguments->json, "all numbers as JSON; - is standard output, without the table")
+      ->type_name("FILE")
+      ->group("Output");
+  command->add_option("--html", arguments->html, "table, DET curves and score histograms as one page")
+      ->type_name("FILE")
+      ->group("Output");
+  command->add_option("--plot", arguments->plot, "the DET curves as PNG")->type_name("FILE")->group("Output");
+  command->footer(
+      "\nA window with a person is 1:2, the person 3/4 of its height, in the middle: 96 px of 64 x 128.\n"
+      "Windows without people are drawn at random from the pictures without people, the same for every\n"
+      "model. All are scaled to the model's size. docs/evaluation.md describes the measures and the JSON.\n"
+      "\nExample:\n"
+      "  flies evaluate-classifier opencv-48x96 mine.json --data people/test --html models.html\n"
+      "\nExit status: 0 done, 2 a fault in the input, told in one line.");
+  command->callback([arguments] { run_evaluate_classifier(*arguments); });
+}

@@ -1,0 +1,312 @@
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <opencv2/core/utility.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "channels/channel_sinks.hpp"
+#include "channels/queued_sink.hpp"
+#include "flies/core/error.hpp"
+#include "live/live_outputs.hpp"
+#include "live/live_run.hpp"
+#include "live/live_status.hpp"
+#include "live/view.hpp"
+#include "shared/commands.hpp"
+#include "shared/end_on_signal.hpp"
+#include "shared/method_arguments.hpp"
+#include "shared/notes.hpp"
+#include "shared/sequence_source.hpp"
+
+namespace {
+
+struct LiveArguments {
+  std::vector<std::string> sources;
+  std::string calib;
+  CameraArguments camera;
+  RunCorrections corrections;
+  std::string model;
+  MethodArguments method;
+  std::vector<std::pair<std::string, std::string>> following;
+  flies::PairStreamRequest stream;
+  std::vector<int> size_px;
+  double max_skew_ms = 20.0;
+  std::uint64_t max_pairs = 0;
+  std::string json;
+  std::optional<int> view_port;  ///< of the page; none: no page
+  std::string view_address = "127.0.0.1";
+  std::optional<int> foxglove_port;  ///< none: no server
+  std::string foxglove_address = "127.0.0.1";
+  std::string record;
+};
+
+constexpr std::size_t kMostForFoxglove = 2;  // pairs that wait to be sent: what is seen is to be new
+constexpr std::size_t kMostForRecord = 60;   // and to be recorded: two seconds at 30 Hz
+constexpr int kViewPort = 8090;
+constexpr int kFoxglovePort = 8765;  // where Foxglove looks first
+
+int port_number(const std::string& text, const std::string& option) {
+  constexpr int kMost = 65535;
+  const auto port = flies::detail::parse_int(text, {0, kMost}, option, "command line");
+  return static_cast<int>(port);
+}
+
+bool is_folder(const std::string& source) { return std::filesystem::is_directory(source); }
+
+/// Folders become lists of pairs with an even rate.
+void open_folders(LiveArguments& arguments) {
+  if (!is_folder(arguments.sources.front())) return;
+  SequenceRequest request;
+  request.sources = arguments.sources;
+  request.calib = arguments.calib;
+  if (arguments.stream.rate_hz > 0.0) request.rate_hz = arguments.stream.rate_hz;
+  if (!arguments.camera.cameras.empty())
+    request.cameras = std::array{arguments.camera.cameras[0], arguments.camera.cameras[1]};
+  SequenceSource sequence = open_sequence(request);
+  say_notes(sequence.notes);
+  arguments.calib = sequence.calib;
+  const auto& times_s = sequence.times_s;
+  if (arguments.stream.rate_hz <= 0.0 && times_s.size() > 1)
+    arguments.stream.rate_hz = static_cast<double>(times_s.size() - 1) / (times_s.back() - times_s.front());
+  arguments.stream.folder = std::move(sequence.pairs);
+}
+
+LiveRequest live_request(LiveArguments& arguments) {
+  LiveRequest request;
+  open_folders(arguments);
+  if (arguments.calib.empty()) throw flies::InputError("command line", "--calib", "is missing, expected a file");
+  // Before a camera is opened, which takes a while.
+  if (!std::filesystem::exists(arguments.calib)) throw flies::InputError(arguments.calib, "", "does not exist");
+  request.stream = arguments.stream;
+  if (request.stream.folder.empty()) request.stream.sources = arguments.sources;
+  if (arguments.size_px.size() == 2) {
+    request.stream.width_px = arguments.size_px[0];
+    request.stream.height_px = arguments.size_px[1];
+  }
+  request.stream.max_skew_s = 1e-3 * arguments.max_skew_ms;
+  request.calib = arguments.calib;
+  request.camera = arguments.camera;
+  request.corrections = arguments.corrections;
+  request.options = effective_options(arguments.method);
+  for (const auto& [path, text] : arguments.following) flies::set_option(request.following, path, text, "command line");
+  request.classifier = classifier_for(arguments.method.preset, arguments.model);
+  request.max_pairs = arguments.max_pairs;
+  return request;
+}
+
+/// The page steers the run as long as there is one.
+class Steered {
+ public:
+  Steered(View* view, LiveRun& run) : view_(view) {
+    if (view_ != nullptr) view_->control(run);
+  }
+  ~Steered() {
+    if (view_ != nullptr) view_->release();
+  }
+  Steered(const Steered&) = delete;
+  Steered& operator=(const Steered&) = delete;
+
+ private:
+  View* view_;
+};
+
+/// Everyone who gets the results, as the command line asks for them.
+class Outputs {
+ public:
+  explicit Outputs(const LiveArguments& arguments) : status_(!arguments.json.empty() && arguments.json != "-") {
+    if (!arguments.json.empty()) sinks_.push_back(&json_.emplace(arguments.json));
+    if (arguments.view_port) add_view({arguments.view_address, *arguments.view_port});
+    if (arguments.foxglove_port) add_foxglove(arguments.foxglove_address, *arguments.foxglove_port);
+    if (!arguments.record.empty()) add_record(arguments.record);
+    if (sinks_.empty()) sinks_.push_back(&table_.emplace());
+    sinks_.push_back(&status_);
+  }
+
+  const std::vector<LiveSink*>& sinks() const { return sinks_; }
+  View* view() { return view_ ? &*view_ : nullptr; }
+
+  void finish(const flies::PairStreamCounts& source) {
+    if (record_queue_) record_queue_->finish();
+    if (record_) record_->close();
+    status_.finish(source);
+  }
+
+ private:
+  void add_view(const flies::WebServerRequest& request) {
+    sinks_.push_back(&view_.emplace(request));
+    std::fprintf(stderr, "flies: page at %s\n", view_->address().c_str());
+  }
+  void add_foxglove(const std::string& address, int port) {
+    foxglove_.emplace(address, port);
+    sinks_.push_back(&foxglove_queue_.emplace(*foxglove_, kMostForFoxglove));
+    std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", address.c_str(), foxglove_->port());
+  }
+  void add_record(const std::string& path) {
+    record_.emplace(path);
+    sinks_.push_back(&record_queue_.emplace(*record_, kMostForRecord, [path] {
+      say_notes({path + ": this machine is too slow to record every pair; some are left out"});
+    }));
+  }
+
+  std::optional<JsonSink> json_;
+  std::optional<TableSink> table_;
+  std::optional<View> view_;
+  std::optional<FoxgloveSink> foxglove_;
+  std::optional<QueuedSink> foxglove_queue_;
+  std::optional<RecordSink> record_;
+  std::optional<QueuedSink> record_queue_;
+  LiveStatus status_;
+  std::vector<LiveSink*> sinks_;
+};
+
+void run_live(LiveArguments arguments) {
+  LiveRequest request = live_request(arguments);
+  std::optional<tbb::global_control> thread_limit;
+  if (request.options.threads > 0) {
+    thread_limit.emplace(tbb::global_control::max_allowed_parallelism,
+                         static_cast<std::size_t>(request.options.threads));
+    cv::setNumThreads(request.options.threads);
+  }
+  Outputs outputs(arguments);
+  LiveRun run(std::move(request), outputs.sinks());
+  ask_before_ending_on_signals();
+  const Steered steered(outputs.view(), run);
+  run.run();
+  outputs.finish(run.source_counts());
+}
+
+void add_source_options(CLI::App& command, LiveArguments& arguments) {
+  command
+      .add_option("SOURCE", arguments.sources,
+                  "one that gives both pictures, or the left and the right one: a camera (0, /dev/video0), a film, a "
+                  "GStreamer pipeline, a URL, a KITTI raw drive, or two folders of images")
+      ->required()
+      ->expected(1, 2);
+  command.add_option("--calib", arguments.calib, "calibration; of a drive the one beside it, if not given")
+      ->type_name("FILE");
+  static const std::map<std::string, flies::PairLayout> kLayouts = {{"side-by-side", flies::PairLayout::side_by_side},
+                                                                    {"top-bottom", flies::PairLayout::top_bottom}};
+  command
+      .add_option_function<std::string>(
+          "--layout",
+          [&arguments](const std::string& name) {
+            const auto found = kLayouts.find(name);
+            if (found == kLayouts.end())
+              throw flies::InputError("command line", "--layout",
+                                      fmt::format("found '{}', expected side-by-side or top-bottom", name));
+            arguments.stream.layout = found->second;
+          },
+          "where the two pictures are in one source: side-by-side (left first) or top-bottom (left on top)")
+      ->type_name("NAME");
+  command.add_option("--size", arguments.size_px, "picture size to ask a camera for, of both pictures together")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(CLI::Range(16, 100000).description(""))
+      ->type_name("W,H");
+  command
+      .add_option("--rate", arguments.stream.rate_hz, "pairs a second: of films and folders, or to ask a camera for")
+      ->check(CLI::Range(0.01, 10000.0).description(""))
+      ->type_name("HZ");
+  command.add_flag("--loop", arguments.stream.is_looped, "begin films and folders again at their end");
+  command.add_flag("--every-pair", arguments.stream.is_patient,
+                   "of films and folders: as fast as it goes, and no pair is dropped");
+  command
+      .add_option("--max-skew", arguments.max_skew_ms,
+                  "pictures of two sources that are farther apart in time make no pair, milliseconds; default 20")
+      ->check(CLI::Range(0.1, 10000.0).description(""))
+      ->type_name("MS");
+  command.add_option("--pairs", arguments.max_pairs, "end after so many pairs")
+      ->check(CLI::Range(1, 2147483647).description(""))
+      ->type_name("N");
+}
+
+void add_following_options(CLI::App& command, LiveArguments& arguments) {
+  for (const auto& listing : flies::list_options(flies::TrackerOptions{}))
+    command
+        .add_option_function<std::string>(
+            "--" + listing.path,
+            [&arguments, path = listing.path](const std::string& text) {
+              arguments.following.emplace_back(path, text);
+            },
+            listing.meaning)
+        ->type_name("N")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->group("");
+}
+
+}  // namespace
+
+void setup_live(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("live", "follow things through what a camera, a film or a pipeline gives");
+  const auto arguments = std::make_shared<LiveArguments>();
+  add_source_options(*command, *arguments);
+  add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 2,3; of a drive else 0,1 when there, else 2,3");
+  add_calibrated_size_option(*command, arguments->camera);
+  add_mount_options(*command, arguments->camera);
+  add_correction_options(*command, arguments->corrections);
+  add_method_options(*command, arguments->method);
+  add_following_options(*command, *arguments);
+  command
+      ->add_option("--model", arguments->model,
+                   "people model: a name that `flies info` lists, a model file or a network")
+      ->type_name("NAME|FILE")
+      ->group("Method");
+  command->add_option("--json", arguments->json, "one JSON object a line, a line a pair; - is standard output")
+      ->type_name("FILE")
+      ->group("Output");
+  command
+      ->add_option_function<std::string>(
+          "--view",
+          [arguments](const std::string& text) {
+            arguments->view_port = text.empty() ? kViewPort : port_number(text, "--view");
+          },
+          fmt::format("show what is seen on a page for a browser; default port {}", kViewPort))
+      ->expected(0, 1)
+      ->type_name("[PORT]")
+      ->group("Output");
+  command
+      ->add_option("--view-address", arguments->view_address,
+                   "address to show the page at; where other machines reach it, it asks for a token; default 127.0.0.1")
+      ->type_name("ADDRESS")
+      ->group("Output");
+  command
+      ->add_option_function<std::string>(
+          "--foxglove",
+          [arguments](const std::string& text) {
+            arguments->foxglove_port = text.empty() ? kFoxglovePort : port_number(text, "--foxglove");
+          },
+          fmt::format("serve Foxglove and Lichtblick by their WebSocket protocol; default port {}", kFoxglovePort))
+      ->expected(0, 1)
+      ->type_name("[PORT]")
+      ->group("Output");
+  command
+      ->add_option("--foxglove-address", arguments->foxglove_address,
+                   "IP address to serve them at; whoever reaches it sees everything; default 127.0.0.1")
+      ->type_name("ADDRESS")
+      ->group("Output");
+  command
+      ->add_option("--record", arguments->record,
+                   "a recording (MCAP) of pictures and results, for them and for flies track")
+      ->type_name("FILE")
+      ->group("Output");
+  command->footer(
+      "\nPairs that are overtaken by newer ones before their turn are dropped and counted. A camera that goes away,\n"
+      "gives broken pictures or hangs is told once and opened again until it is back. Ctrl-C ends after the\n"
+      "pair that is worked on. Options of following are those of `flies track`. docs/live.md says more.\n"
+      "\nExamples:\n"
+      "  flies live 0 --size 2560,720 --calib calib.yaml               a camera that gives both pictures side by side\n"
+      "  flies live /dev/video0 /dev/video2 --calib calib.yaml         two cameras\n"
+      "  flies live both.mp4 --calib calib.yaml --loop --json -        a film\n"
+      "  flies live 0 --calib calib.yaml --view                        and a page at http://127.0.0.1:8090/\n"
+      "  flies live left right --calib calib.yaml --rate 10 --loop     folders of images, as if they came from a "
+      "camera\n"
+      "  flies live 'v4l2src ! image/jpeg ! jpegdec' --calib calib.yaml\n"
+      "\nExit status: 0 done, 2 a fault in the input, told in one line.");
+  command->callback([arguments] { run_live(*arguments); });
+}

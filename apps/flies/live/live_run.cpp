@@ -1,0 +1,299 @@
+#include "live/live_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "flies/core/error.hpp"
+#include "flies/io/pair_check.hpp"
+#include "shared/end_on_signal.hpp"
+#include "shared/method_arguments.hpp"
+#include "shared/notes.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using Answer = flies::FrameStream::Answer;
+
+constexpr std::size_t kPairsToDiagnose = 5;
+constexpr std::size_t kRecentPairs = 8;  // an engine holds two, one in work and one that waits
+
+}  // namespace
+
+GroundPose moved(const GroundPose& pose, const flies::EgoMotion& ego) {
+  if (!ego.is_known) return {.segment = pose.segment + 1};
+  const flies::RigidMotion motion = ego.current_from_previous.inverse();  // of the vehicle
+  const double c = std::cos(pose.yaw_rad), s = std::sin(pose.yaw_rad);
+  return {.x_m = pose.x_m + c * motion.shift.x_m - s * motion.shift.y_m,
+          .y_m = pose.y_m + s * motion.shift.x_m + c * motion.shift.y_m,
+          .yaw_rad = pose.yaw_rad + std::atan2(motion.rotation[1][0], motion.rotation[0][0]),
+          .segment = pose.segment};
+}
+
+LiveRun::LiveRun(LiveRequest request, std::vector<LiveSink*> sinks)
+    : request_(std::move(request)),
+      sinks_(std::move(sinks)),
+      options_(request_.options),
+      following_(request_.following) {
+  // Times of pairs count from the moment at which the stream is made.
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  began_ns_ = static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+  stream_ =
+      std::make_unique<flies::PairStream>(request_.stream, [this](const std::string& sentence) { say(sentence); });
+}
+
+LiveRun::~LiveRun() = default;
+
+void LiveRun::say(const std::string& sentence) {
+  say_notes({sentence});
+  for (LiveSink* sink : sinks_) sink->note(sentence);
+}
+
+/// @returns false when the run is over
+bool LiveRun::wait_for_pair(flies::StereoFrame& frame) {
+  while (!is_end_requested()) {
+    {
+      std::unique_lock lock(mutex_);
+      source_counts_ = stream_->counts();
+      // A living source is read on while paused, so that a step shows what is there then.
+      if (is_paused_ && steps_ == 0) {
+        changed_.wait_for(lock, 20ms);
+        lock.unlock();
+        rethrow_failure();
+        const bool is_living =
+            request_.stream.folder.empty() && flies::is_living(flies::source_kind(request_.stream.sources.front()));
+        if (is_living && stream_->next(frame, 0ms) == Answer::ended) return false;
+        continue;
+      }
+    }
+    const Answer answer = stream_->next(frame, 100ms);
+    rethrow_failure();
+    if (answer == Answer::ended) return false;
+    if (answer == Answer::nothing_yet) continue;
+    const std::lock_guard lock(mutex_);
+    if (steps_ > 0) --steps_;
+    return true;
+  }
+  return false;
+}
+
+void LiveRun::calibrate(const flies::StereoFrame& frame) {
+  const flies::RectifiedPair view = frame.images.view();
+  calibration_ = flies::load_calibration(request_.calib,
+                                         calibration_request(request_.camera, frame.left_name, frame.right_name, view));
+  for (const auto& note : calibration_->notes) say(request_.calib + ": " + note);
+  const flies::GrayPair images =
+      calibration_->rectifier ? calibration_->rectifier->rectify(frame.images) : frame.images;
+  const flies::RectifiedPair pair = images.view();
+  flies::check_camera_fits(calibration_->camera, pair.left.width_px, pair.left.height_px, request_.calib);
+  calibration_->camera.width_px = pair.left.width_px;
+  calibration_->camera.height_px = pair.left.height_px;
+  flies::check_true_pair(pair, calibration_->camera, frame.left_name, frame.right_name);
+}
+
+/// Reads what it takes to know calibration and rows.
+/// @returns false when the source gave nothing
+bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
+  flies::StereoFrame frame;
+  const std::size_t most =
+      request_.max_pairs == 0 ? kPairsToDiagnose
+                              : static_cast<std::size_t>(std::min<std::uint64_t>(kPairsToDiagnose, request_.max_pairs));
+  while (first.size() < most && wait_for_pair(frame)) {
+    if (first.empty()) calibrate(frame);
+    first.push_back(std::move(frame));
+  }
+  if (first.empty()) return false;
+  std::vector<flies::GrayPair> sample;
+  for (const auto& one : first)
+    sample.push_back(calibration_->rectifier ? calibration_->rectifier->rectify(one.images) : one.images);
+  diagnosis_ = diagnose_sample(std::move(sample), *calibration_, request_.corrections);
+  for (const auto& note : diagnosis_.notes) say(note);
+  const std::lock_guard lock(mutex_);
+  engine_ = std::make_shared<flies::Engine>(calibration_->camera, options_, following_, request_.classifier);
+  return true;
+}
+
+std::shared_ptr<LivePair> LiveRun::prepare(flies::StereoFrame frame) {
+  auto pair = std::make_shared<LivePair>();
+  pair->number = next_number_++;
+  pair->images = calibration_->rectifier ? calibration_->rectifier->rectify(frame.images) : std::move(frame.images);
+  diagnosis_.correct(pair->images);
+  pair->time_s = frame.time_s;
+  pair->skew_s = frame.skew_s;
+  pair->left_name = std::move(frame.left_name);
+  pair->right_name = std::move(frame.right_name);
+  return pair;
+}
+
+void LiveRun::renew_engine_if_asked() {
+  std::unique_lock lock(mutex_);
+  if (!std::exchange(options_changed_, false)) return;
+  const auto options = options_;
+  const auto following = following_;
+  lock.unlock();
+  auto engine = std::make_shared<flies::Engine>(calibration_->camera, options, following, request_.classifier);
+  lock.lock();
+  std::swap(engine_, engine);
+  handed_on_ = 0;
+  lock.unlock();  // the old engine ends outside of the lock
+}
+
+/// @param is_awaited no pair may overtake this one
+void LiveRun::submit(std::shared_ptr<LivePair> pair, bool is_awaited) {
+  renew_engine_if_asked();
+  std::shared_ptr<flies::Engine> engine;
+  std::uint64_t before = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    engine = engine_;
+    before = handed_on_;
+    recent_.push_back(pair);
+    if (recent_.size() > kRecentPairs) recent_.erase(recent_.begin());
+  }
+  engine->submit(pair->images.view(), pair->time_s);
+  if (!is_awaited) return;
+  std::unique_lock lock(mutex_);
+  while (handed_on_ <= before && !failure_ && !is_end_requested()) changed_.wait_for(lock, 100ms);
+}
+
+std::shared_ptr<const LivePair> LiveRun::pair_at(double time_s) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find(recent_, time_s, [](const auto& pair) { return pair->time_s; });
+  return found == recent_.end() ? nullptr : *found;
+}
+
+void LiveRun::hand_on_results(const std::shared_ptr<flies::Engine>& engine, std::uint64_t& last) {
+  const auto snapshot = engine->wait(last, 50ms);
+  if (snapshot->number == last) return;
+  last = snapshot->number;
+  if (!snapshot->error.empty() && !std::exchange(error_told_, true)) say(snapshot->error);
+  const auto pair = pair_at(snapshot->tracking.time_s);
+  if (pair && snapshot->error.empty()) {
+    pose_ = moved(pose_, snapshot->tracking.ego);
+    LiveFrame frame{pair, snapshot, calibration_->camera, pose_, 0, {}, began_ns_};
+    {
+      const std::lock_guard lock(mutex_);
+      frame.seed = options_.seed;
+      frame.preset = preset_name(options_);
+    }
+    for (LiveSink* sink : sinks_) sink->take(frame);
+  }
+  const std::lock_guard lock(mutex_);
+  if (engine == engine_) handed_on_ = last;
+  changed_.notify_all();
+}
+
+/// The thread that hands results to the sinks.
+void LiveRun::hand_on() {
+  std::shared_ptr<flies::Engine> engine;
+  std::uint64_t last = 0;
+  try {
+    while (true) {
+      {
+        const std::lock_guard lock(mutex_);
+        if (is_ending_) return;
+        if (engine != engine_) last = 0;
+        engine = engine_;
+      }
+      hand_on_results(engine, last);
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+    changed_.notify_all();
+  }
+}
+
+void LiveRun::rethrow_failure() {
+  const std::lock_guard lock(mutex_);
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+/// Lets the engine finish the last pair.
+void LiveRun::finish() {
+  const auto until = std::chrono::steady_clock::now() + 5s;
+  std::unique_lock lock(mutex_);
+  while (!failure_ && std::chrono::steady_clock::now() < until) {
+    const auto snapshot = engine_->snapshot();
+    const bool is_done = snapshot->number == handed_on_ && !recent_.empty() &&
+                         (snapshot->tracking.time_s >= recent_.back()->time_s || !snapshot->error.empty());
+    if (is_done) break;
+    changed_.wait_for(lock, 20ms);
+  }
+}
+
+void LiveRun::run() {
+  std::vector<flies::StereoFrame> first;
+  if (!begin(first)) return;
+  std::thread handing([this] { hand_on(); });
+  const auto end = [&] {
+    {
+      const std::lock_guard lock(mutex_);
+      is_ending_ = true;
+    }
+    handing.join();
+  };
+  try {
+    for (auto& one : first) submit(prepare(std::move(one)), true);
+    flies::StereoFrame frame;
+    while ((request_.max_pairs == 0 || next_number_ < request_.max_pairs) && wait_for_pair(frame))
+      submit(prepare(std::move(frame)), request_.stream.is_patient);
+    finish();
+  } catch (...) {
+    end();
+    throw;
+  }
+  end();
+  rethrow_failure();
+  const std::lock_guard lock(mutex_);
+  source_counts_ = stream_->counts();
+}
+
+void LiveRun::pause(bool is_paused) {
+  const std::lock_guard lock(mutex_);
+  is_paused_ = is_paused;
+  steps_ = 0;
+  changed_.notify_all();
+}
+
+void LiveRun::step() {
+  const std::lock_guard lock(mutex_);
+  if (is_paused_) ++steps_;
+  changed_.notify_all();
+}
+
+bool LiveRun::is_paused() const {
+  const std::lock_guard lock(mutex_);
+  return is_paused_;
+}
+
+void LiveRun::set_option(const std::string& path, const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  if (path.starts_with("ego.") || path.starts_with("track.")) {
+    flies::set_option(following_, path, text, "options");
+  } else {
+    auto options = options_;
+    flies::set_option(options, path, text, "options");
+    flies::check_detector_options(options, "options");
+    options_ = options;
+  }
+  options_changed_ = true;
+}
+
+flies::DetectorOptions LiveRun::options() const {
+  const std::lock_guard lock(mutex_);
+  return options_;
+}
+
+flies::TrackerOptions LiveRun::following() const {
+  const std::lock_guard lock(mutex_);
+  return following_;
+}
+
+flies::PairStreamCounts LiveRun::source_counts() const {
+  const std::lock_guard lock(mutex_);
+  return source_counts_;
+}

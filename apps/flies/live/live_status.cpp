@@ -1,0 +1,54 @@
+#include "live/live_status.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace {
+
+constexpr std::size_t kLatencies = 1000;
+constexpr double kShowEvery_s = 0.25;
+
+}  // namespace
+
+LiveStatus::LiveStatus(bool is_line_wanted) : is_visible_(is_line_wanted && isatty(STDERR_FILENO) != 0) {}
+
+void LiveStatus::take(const LiveFrame& frame) {
+  const auto now = std::chrono::steady_clock::now();
+  if (pairs_++ == 0) {
+    start_ = shown_ = now;
+    first_number_ = frame.pair->number;
+  }
+  if (latencies_ms_.size() < kLatencies)
+    latencies_ms_.push_back(frame.snapshot->latency_ms);
+  else
+    latencies_ms_[pairs_ % kLatencies] = frame.snapshot->latency_ms;
+  last_number_ = frame.pair->number;
+  dropped_ = last_number_ - first_number_ + 1 - pairs_;
+  if (!is_visible_ || std::chrono::duration<double>(now - shown_).count() < kShowEvery_s) return;
+  shown_ = now;
+  std::fprintf(stderr, "\r\033[K%s", text().c_str());
+}
+
+std::string LiveStatus::text() const {
+  if (pairs_ == 0) return "no pair";
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+  auto sorted = latencies_ms_;
+  std::ranges::sort(sorted);
+  const double rate = pairs_ > 1 && elapsed.count() > 0.0 ? static_cast<double>(pairs_ - 1) / elapsed.count() : 0.0;
+  return fmt::format("{} pairs, {:.1f} a second; latency {:.1f} ms, p99 {:.1f} ms; {} dropped", pairs_, rate,
+                     sorted[sorted.size() / 2], sorted[sorted.size() * 99 / 100], dropped_);
+}
+
+void LiveStatus::finish(const flies::PairStreamCounts& source) const {
+  std::string line = text();
+  const auto add = [&](std::uint64_t count, const char* what) {
+    if (count > 0) line += fmt::format("; {}: {}", what, count);
+  };
+  add(source.broken, "broken pictures");
+  add(source.unpaired, "pictures without a partner");
+  add(source.losses, "source gone");
+  std::fprintf(stderr, "%sflies: %s\n", is_visible_ ? "\r\033[K" : "", line.c_str());
+}

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "flies/video/pair_stream.hpp"
+#include "live/live_frame.hpp"
+
+/// Rates and latencies of a living source: on a terminal a line that is written over, and at the end one that stays.
+class LiveStatus final : public LiveSink {
+ public:
+  /// @param is_line_wanted false: only the one at the end
+  explicit LiveStatus(bool is_line_wanted);
+  void take(const LiveFrame& frame) override;
+
+  /// The last line, with what the source lost.
+  void finish(const flies::PairStreamCounts& source) const;
+
+ private:
+  std::string text() const;
+
+  bool is_visible_;
+  std::chrono::steady_clock::time_point start_, shown_;
+  std::vector<double> latencies_ms_;  ///< of the newest pairs
+  std::uint64_t pairs_ = 0, dropped_ = 0, first_number_ = 0, last_number_ = 0;
+};

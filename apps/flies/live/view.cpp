@@ -1,0 +1,221 @@
+#include "live/view.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <utility>
+
+#include "flies/core/error.hpp"
+#include "flies/io/image_codecs.hpp"
+#include "flies/io/options_yaml.hpp"
+#include "live/view_files.hpp"
+#include "live/view_state.hpp"
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kRecent = 20;  // a page that is slow asks for pictures of a while ago
+constexpr std::size_t kMostNotes = 50;
+constexpr std::chrono::milliseconds kPatience{1000};
+constexpr std::chrono::seconds kRateOver{2};
+constexpr int kPictureQuality = 80;
+
+flies::WebAnswer json_answer(const Json& json) {
+  constexpr int kOneLine = -1;
+  return {.type = "application/json", .body = json.dump(kOneLine, ' ', false, Json::error_handler_t::replace)};
+}
+
+flies::WebAnswer fault(int status, const std::string& why) { return {.status = status, .body = why + "\n"}; }
+
+std::optional<std::uint64_t> number_in(const flies::WebRequest& request, const std::string& name) {
+  const auto found = request.parameters.find(name);
+  constexpr std::size_t kMostDigits = 18;
+  if (found == request.parameters.end() || found->second.empty() || found->second.size() > kMostDigits ||
+      !std::ranges::all_of(found->second, [](char c) { return c >= '0' && c <= '9'; }))
+    return std::nullopt;
+  return std::stoull(found->second);
+}
+
+std::vector<flies::OptionListing> all_options(const LiveRun& run) {
+  auto listings = flies::list_options(run.options());
+  for (auto& listing : flies::list_options(run.following())) listings.push_back(std::move(listing));
+  return listings;
+}
+
+}  // namespace
+
+View::View(const flies::WebServerRequest& request) : request_(request), run_id_(flies::random_token()) {
+  if (!flies::is_loopback(request.address)) token_ = flies::random_token();
+  // Requests that come before the port is known wait for it.
+  const std::lock_guard lock(mutex_);
+  server_ = flies::serve_web(request, [this](const flies::WebRequest& asked) { return answer(asked); });
+  request_.port = server_->port();
+  access_.emplace(request_.address, request_.port, token_);
+}
+
+View::~View() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_ending_ = true;
+  }
+  changed_.notify_all();
+  server_.reset();
+}
+
+void View::control(LiveRun& run) {
+  const std::lock_guard lock(mutex_);
+  run_ = &run;
+}
+
+void View::release() {
+  const std::lock_guard lock(mutex_);
+  run_ = nullptr;
+}
+
+std::string View::address() const {
+  const bool is_v6 = request_.address.find(':') != std::string::npos;
+  return fmt::format("http://{}{}{}:{}/{}{}", is_v6 ? "[" : "", request_.address, is_v6 ? "]" : "", request_.port,
+                     token_.empty() ? "" : "?token=", token_);
+}
+
+void View::take(const LiveFrame& frame) {
+  const auto now = Clock::now();
+  {
+    const std::lock_guard lock(mutex_);
+    recent_.push_back(frame);
+    if (recent_.size() > kRecent) recent_.pop_front();
+    samples_.push_back({now, frame.snapshot->latency_ms});
+    while (now - samples_.front().time > kRateOver) samples_.pop_front();
+  }
+  changed_.notify_all();
+}
+
+void View::note(const std::string& sentence) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (notes_.size() < kMostNotes) notes_.push_back(sentence);
+    ++changes_;
+  }
+  changed_.notify_all();
+}
+
+flies::WebAnswer View::answer(const flies::WebRequest& request) {
+  {
+    const std::lock_guard lock(mutex_);  // the constructor may still be at it
+  }
+  auto refusal = access_->refuse(request);
+  flies::WebAnswer answer = refusal ? *refusal : answer_allowed(request);
+  if (!refusal) answer.headers.merge(access_->headers());
+  return answer;
+}
+
+flies::WebAnswer View::answer_allowed(const flies::WebRequest& request) {
+  if (request.method == "POST") return order(request);
+  for (const auto& file : page_files())
+    if (file.path == request.path) return {.type = std::string(file.type), .body = std::string(file.bytes)};
+  if (request.path == "/api/state") return state(request);
+  if (request.path == "/api/left.jpg") return picture(request);
+  if (request.path == "/api/flies") return flies_of(request);
+  if (request.path == "/api/report.zip") return report(request);
+  return fault(404, "There is no such page.");
+}
+
+/// The newest pair and all else, as soon as something differs from what the page has (`after`, `changes`).
+flies::WebAnswer View::state(const flies::WebRequest& request) {
+  const auto after = number_in(request, "after");
+  const auto changes = number_in(request, "changes");
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, kPatience, [&] {
+    return is_ending_ || changes != changes_ || (!recent_.empty() && recent_.back().pair->number != after);
+  });
+  Json state = {{"run", run_id_}, {"changes", changes_}, {"notes", notes_}};
+  state["is_paused"] = run_ != nullptr && run_->is_paused();
+  if (run_ != nullptr) state["options"] = view_options(all_options(*run_));
+  if (recent_.empty()) return json_answer(state);
+  const LiveFrame frame = recent_.back();
+  std::vector<double> latencies;
+  for (const auto& sample : samples_) latencies.push_back(sample.latency_ms);
+  std::ranges::sort(latencies);
+  const std::chrono::duration<double> over = samples_.back().time - samples_.front().time;
+  ViewRates rates;
+  if (over.count() > 0.0) rates.pairs_hz = static_cast<double>(samples_.size() - 1) / over.count();
+  rates.latency_ms = latencies[latencies.size() / 2];
+  rates.latency_p99_ms = latencies[latencies.size() * 99 / 100];
+  const auto source = run_ != nullptr ? run_->source_counts() : flies::PairStreamCounts{};
+  lock.unlock();
+  state.update(view_frame(frame));
+  state["rates"] = {
+      {"pairs_hz", rates.pairs_hz},         {"latency_ms", rates.latency_ms}, {"latency_p99_ms", rates.latency_p99_ms},
+      {"dropped", frame.snapshot->dropped}, {"broken", source.broken},        {"losses", source.losses}};
+  return json_answer(state);
+}
+
+std::optional<LiveFrame> View::frame_of(const flies::WebRequest& request) {
+  const auto number = number_in(request, "number");
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find(
+      recent_, number, [](const LiveFrame& frame) { return std::optional<std::uint64_t>(frame.pair->number); });
+  return found == recent_.end() ? std::nullopt : std::optional(*found);
+}
+
+flies::WebAnswer View::picture(const flies::WebRequest& request) {
+  const auto frame = frame_of(request);
+  if (!frame) return fault(404, "This pair is no longer there.");
+  const flies::GrayImage& left = frame->pair->images.left;
+  const cv::Mat pixels(left.height_px, left.width_px, CV_8UC1, const_cast<std::uint8_t*>(left.pixels.data()));
+  const auto bytes = flies::encode_jpeg(pixels, kPictureQuality);
+  return {.type = "image/jpeg", .body = std::string(bytes.begin(), bytes.end())};
+}
+
+flies::WebAnswer View::flies_of(const flies::WebRequest& request) {
+  const auto frame = frame_of(request);
+  return frame ? json_answer(view_flies(*frame)) : fault(404, "This pair is no longer there.");
+}
+
+flies::WebAnswer View::report(const flies::WebRequest& request) {
+  const auto frame = frame_of(request);
+  if (!frame) return fault(404, "This pair is no longer there.");
+  std::vector<std::string> notes;
+  std::string options;
+  {
+    const std::lock_guard lock(mutex_);
+    notes = notes_;
+    if (run_ != nullptr) options = flies::options_yaml(flies::list_options(run_->options()));
+  }
+  return {.type = "application/zip",
+          .body = view_report(*frame, options, notes),
+          .headers = {
+              {"Content-Disposition", fmt::format("attachment; filename=\"flies-pair-{}.zip\"", frame->pair->number)}}};
+}
+
+flies::WebAnswer View::order(const flies::WebRequest& request) {
+  const Json body = Json::parse(request.body, nullptr, false);
+  const auto text = [&](const char* key) {
+    return body.is_object() && body.contains(key) && body[key].is_string() ? body[key].get<std::string>() : "";
+  };
+  const std::lock_guard lock(mutex_);
+  if (run_ == nullptr) return fault(409, "The run has ended.");
+  if (request.path == "/api/pause") {
+    run_->pause(true);
+  } else if (request.path == "/api/resume") {
+    run_->pause(false);
+  } else if (request.path == "/api/step") {
+    run_->step();
+  } else if (request.path == "/api/option") {
+    try {
+      run_->set_option(text("path"), text("value"));
+    } catch (const flies::InputError& error) {
+      return fault(400, error.what());
+    }
+  } else {
+    return fault(404, "There is no such order.");
+  }
+  ++changes_;
+  changed_.notify_all();
+  return json_answer({{"is_paused", run_->is_paused()}});
+}

@@ -1,0 +1,41 @@
+#include "shared/camera_arguments.hpp"
+
+void add_mount_options(CLI::App& command, CameraArguments& arguments) {
+  command.add_option("--camera-height", arguments.height_m, "of the left camera above the road, metres")
+      ->type_name("M");
+  command.add_option("--camera-pitch", arguments.pitch_deg, "degrees, positive when it looks down")->type_name("DEG");
+  command.add_option("--camera-roll", arguments.roll_deg, "degrees, positive when it leans to the right")
+      ->type_name("DEG");
+}
+
+void add_calibrated_size_option(CLI::App& command, CameraArguments& arguments) {
+  command
+      .add_option("--calib-size", arguments.calibrated_size_px,
+                  "image size that a calibration file without one is for, where the images were resized")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(CLI::Range(1, 100000).description(""))
+      ->type_name("W,H");
+}
+
+void add_cameras_option(CLI::App& command, CameraArguments& arguments, const std::string& meaning) {
+  command.add_option("--cameras", arguments.cameras, meaning)
+      ->delimiter(',')
+      ->expected(2)
+      ->check(CLI::Range(0, 3).description(""))
+      ->type_name("L,R");
+}
+
+flies::CalibrationRequest calibration_request(const CameraArguments& arguments, const std::string& left_path,
+                                              const std::string& right_path, const flies::RectifiedPair& images) {
+  flies::CalibrationRequest request;
+  fill_in(request, arguments);
+  if (const auto named = flies::kitti_cameras_from_paths(left_path, right_path)) request.default_cameras = *named;
+  if (arguments.calibrated_size_px.size() == 2) {
+    request.calibrated_width_px = arguments.calibrated_size_px[0];
+    request.calibrated_height_px = arguments.calibrated_size_px[1];
+  }
+  request.width_px = images.left.width_px;
+  request.height_px = images.left.height_px;
+  return request;
+}

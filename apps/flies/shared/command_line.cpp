@@ -1,0 +1,43 @@
+#include "shared/command_line.hpp"
+
+#include <memory>
+#include <string>
+
+namespace {
+
+class WrappingFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    constexpr std::size_t kLine = 100;
+    std::string text = option->get_description();
+    for (std::size_t start = 0; text.size() - start > kLine - column_width_;) {
+      std::size_t space = text.rfind(' ', start + kLine - column_width_);
+      if (space == std::string::npos || space <= start) break;
+      text[space] = '\n';  // the formatter indents what follows
+      start = space + 1;
+    }
+    return text;
+  }
+};
+
+void refuse_options_as_values_of(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    if (option->get_items_expected_max() == 0) continue;
+    option->check([&command](const std::string& value) {
+      const auto* other = value.starts_with("--") ? command.get_option_no_throw(value) : nullptr;
+      return other == nullptr ? std::string() : "expects a value, found the option " + value;
+    });
+  }
+}
+
+}  // namespace
+
+void wrap_help(CLI::App& app) {
+  const auto formatter = std::make_shared<WrappingFormatter>();
+  app.formatter(formatter);
+  for (CLI::App* command : app.get_subcommands({})) command->formatter(formatter);
+}
+
+void refuse_options_as_values(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands({})) refuse_options_as_values_of(*command);
+}

@@ -1,0 +1,73 @@
+#include "shared/method_arguments.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "flies/core/options.hpp"
+#include "flies/io/options_yaml.hpp"
+
+void add_method_options(CLI::App& app, MethodArguments& arguments) {
+  constexpr const char* kGroup = "Method";
+  app.add_option("--preset", arguments.preset,
+                 "named set of options: default (roads), robot, handheld or paper (as published)")
+      ->type_name("NAME")
+      ->group(kGroup);
+  app.add_option("--options", arguments.options_file, "YAML file of options, as `flies config` prints them")
+      ->type_name("FILE")
+      ->group(kGroup);
+  for (const auto& listing : flies::list_options(flies::DetectorOptions{})) {
+    const bool is_shown = listing.path == "seed" || listing.path == "threads";
+    app.add_option_function<std::string>(
+           "--" + listing.path,
+           [&arguments, path = listing.path](const std::string& text) { arguments.overrides.emplace_back(path, text); },
+           listing.meaning)
+        ->type_name("N")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->group(is_shown ? kGroup : "");
+  }
+}
+
+std::shared_ptr<const flies::PeopleClassifier> classifier_for(const std::string& preset, const std::string& model) {
+  if (!model.empty()) return flies::people_classifier(model);
+  if (preset == enum_name(flies::Preset::paper)) return flies::people_classifier("flies-48x96-linear");
+  return flies::default_people_classifier();
+}
+
+std::string preset_name(const flies::DetectorOptions& options) {
+  for (const auto name : flies::EnumNames<flies::Preset>::names) {
+    auto preset = flies::preset_options(flies::preset_named(name, "preset"));
+    preset.seed = options.seed;
+    preset.threads = options.threads;
+    const auto same = [](const auto& a, const auto& b) { return a.value == b.value; };
+    if (std::ranges::equal(flies::list_options(preset), flies::list_options(options), same)) return std::string(name);
+  }
+  return "custom";
+}
+
+namespace {
+
+/// A preset with what the user sets.
+flies::DetectorOptions with_settings(flies::DetectorOptions options, const MethodArguments& arguments) {
+  if (!arguments.options_file.empty())
+    for (const auto& setting : flies::load_options_yaml(arguments.options_file))
+      flies::set_option(options, setting.path, setting.text, setting.source);
+  for (const auto& [path, text] : arguments.overrides) flies::set_option(options, path, text, "command line");
+  flies::check_detector_options(options, "options");
+  return options;
+}
+
+flies::DetectorOptions preset_of(const MethodArguments& arguments) {
+  return flies::preset_options(flies::preset_named(arguments.preset, "command line"));
+}
+
+}  // namespace
+
+flies::DetectorOptions effective_options(const MethodArguments& arguments) {
+  return with_settings(preset_of(arguments), arguments);
+}
+
+flies::DetectorOptions effective_options(const MethodArguments& arguments, const flies::StereoCamera& camera) {
+  const bool is_as_published = arguments.preset == enum_name(flies::Preset::paper);
+  const flies::DetectorOptions preset = preset_of(arguments);
+  return with_settings(is_as_published ? preset : flies::fitted_options(camera, preset), arguments);
+}
