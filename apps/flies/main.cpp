@@ -8,6 +8,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
+#include "flies/version.hpp"
 #include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/end_on_signal.hpp"
@@ -84,14 +85,21 @@ void setup(CLI::App& app) {
   setup_live(app);
   setup_check(app);
   setup_calib(app);
+#ifdef FLIES_HAS_SYNTH
   setup_synth(app);
+#endif
   setup_evaluate(app);
   setup_evaluate_classifier(app);
+#ifdef FLIES_HAS_TRAINER
   setup_train(app);
+#endif
+#ifdef FLIES_HAS_SYNTH
   setup_reproduce(app);
   setup_bench(app);
+#endif
   setup_config(app);
   setup_info(app);
+  setup_completion(app);
   wrap_help(app);
   refuse_options_as_values(app);
 }

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
 #include "flies/classify/people_model.hpp"
 
 namespace flies {
+
+/// Larger files are no models.
+inline constexpr std::size_t kMaxModelFile_bytes = std::size_t{1} << 28;
 
 /// Reads a model file (docs/formats.md).
 /// @throws InputError naming the file and the field: unreadable, not JSON, another format or version, missing or

@@ -127,7 +127,7 @@ PeopleModel shipped_people_model();
 /// it), `opencv-48x96`, `opencv-64x128`.
 std::span<const std::string_view> people_model_names();
 
-/// Finds a model by its name, or reads the file at this path.
+/// Finds a model by its name, or reads the file at this path. In the component `io`, as the functions for OpenCV's are.
 /// @throws InputError as `read_people_model`; for a name that is no file the message lists the names
 PeopleModel people_model(std::string_view name_or_path);
 

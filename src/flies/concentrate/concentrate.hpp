@@ -22,7 +22,7 @@ ConcentrateResult concentrate(const Population& flies, const Projection& project
                               const FieldOptions& field, const ConcentrateOptions& options);
 
 /// The same for pair after pair. Keeps memory and nothing else from call to call: once it has seen a population of the
-/// size, it allocates no more while the options stay.
+/// size, it allocates no more while the options stay. Threads: one object serves one thread at a time.
 class Concentrator {
  public:
   /// @returns a result that is valid until the next call

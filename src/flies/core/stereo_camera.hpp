@@ -56,7 +56,7 @@ struct StereoPoint {
 };
 
 /// Projection between the vehicle frame and the two images (METHOD section "Frames and projection", with pitch and
-/// roll added). Built once for a camera; cheap to copy.
+/// roll added). Built once for a camera; cheap to copy. Threads: constant after construction; any threads at once.
 class Projection {
  public:
   explicit Projection(const StereoCamera& camera);

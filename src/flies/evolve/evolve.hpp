@@ -40,7 +40,7 @@ EvolveResult evolve(const RectifiedPair& pair, const Projection& projection, con
                     const RandomSource& random, std::span<const Obstacle> steer_towards = {});
 
 /// The same for pair after pair. Keeps memory and nothing else from call to call: once it has seen a population of the
-/// size and images of the size, it allocates no more.
+/// size and images of the size, it allocates no more. Threads: one object serves one thread at a time.
 class Evolver {
  public:
   /// @returns a result that is valid until the next call

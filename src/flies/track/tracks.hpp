@@ -101,7 +101,7 @@ struct Track {
 
 /// Follows things from pair to pair: constant velocity over ground, optimal assignment, a probability that each exists.
 /// Tracks that nobody sees coast on; behind something nearer they do so for long. When the camera's motion is lost
-/// (also at a cut) all tracks end, because nothing says where they went.
+/// (also at a cut) all tracks end, because nothing says where they went. Threads: one at a time.
 class TrackKeeper {
  public:
   /// @throws InputError when the camera or an option is out of range
