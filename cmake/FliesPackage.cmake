@@ -9,6 +9,7 @@ set(folder ${CMAKE_INSTALL_LIBDIR}/cmake/flies)
 configure_package_config_file(cmake/flies-config.cmake.in flies-config.cmake INSTALL_DESTINATION ${folder})
 write_basic_package_version_file(flies-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/flies-config.cmake ${PROJECT_BINARY_DIR}/flies-config-version.cmake
+  cmake/FliesOpenCV.cmake
   DESTINATION ${folder} COMPONENT development)
 
 # flies_describe(<component> <pkg-config name> DESCRIPTION ... REQUIRES ... PACKAGES ... LIBS ...): what pkg-config says.

@@ -1,5 +1,6 @@
 # What the static library needs.
-find_dependency(OpenCV COMPONENTS core imgproc calib3d objdetect dnn)
+include("${CMAKE_CURRENT_LIST_DIR}/FliesOpenCV.cmake")
+flies_find_opencv(core imgproc calib3d objdetect dnn)
 find_dependency(JPEG)
 find_dependency(PNG)
 find_dependency(TIFF)
