@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "flies/classify/named_models.hpp"
 #include "flies/core/options.hpp"
 #include "flies/fitness/fitness.hpp"
 #include "flies/pipeline/detector.hpp"

@@ -12,6 +12,7 @@
 #include "shared/commands.hpp"
 #include "shared/end_on_signal.hpp"
 #include "shared/exit_status.hpp"
+#include "shared/notes.hpp"
 #include "shared/standard_output.hpp"
 
 namespace {
@@ -92,6 +93,9 @@ void setup(CLI::App& app) {
   setup_bench(app);
   setup_config(app);
   setup_info(app);
+  for (const char* name :
+       {"detect", "track", "live", "check", "synth", "evaluate", "evaluate-classifier", "train", "reproduce"})
+    add_verbosity_options(*app.get_subcommand(name));
   wrap_help(app);
   refuse_options_as_values(app);
 }

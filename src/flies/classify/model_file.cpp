@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "flies/classify/base64.hpp"
+#include "flies/classify/shipped_model.hpp"
 #include "flies/core/error.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/io/text_file.hpp"
@@ -347,6 +348,8 @@ PeopleModel parse_embedded_model(std::string_view text, const std::string& sourc
 PeopleModel read_people_model(const std::string& path) {
   return parse_people_model(read_file(path, kMaxFile_bytes), path);
 }
+
+PeopleModel shipped_people_model() { return parse_embedded_model(shipped_model_text(), "flies-48x96"); }
 
 std::string people_model_text(const PeopleModel& model) {
   check_people_model(model, model.name);
