@@ -31,7 +31,7 @@ namespace {
 
 struct DetectArguments {
   std::string left, right;
-  std::string calib, right_calib;
+  std::string calib;
   CameraArguments camera;
   std::string model;
   RunCorrections corrections;
@@ -41,7 +41,7 @@ struct DetectArguments {
 
 std::vector<std::string> other_inputs(const DetectArguments& arguments) {
   std::vector<std::string> inputs = {arguments.calib};
-  for (const auto& path : {arguments.right_calib, arguments.method.options_file, arguments.model})
+  for (const auto& path : {arguments.camera.right_calib, arguments.method.options_file, arguments.model})
     if (!path.empty()) inputs.push_back(path);
   return inputs;
 }
@@ -110,8 +110,7 @@ void run_detect(const DetectArguments& arguments) {
     thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(unfitted.threads));
 
   auto [first, images] = first_readable(pairs);
-  auto request = calibration_request(arguments.camera, pairs[first].left, pairs[first].right, images.view());
-  request.right_path = arguments.right_calib;
+  const auto request = calibration_request(arguments.camera, pairs[first].left, pairs[first].right, images.view());
   flies::Calibration calibration = flies::load_calibration(arguments.calib, request);
   if (calibration.rectifier) images = calibration.rectifier->rectify(images);
   flies::check_camera_fits(calibration.camera, images.view().left.width_px, images.view().left.height_px,
@@ -193,10 +192,8 @@ void add_input_options(CLI::App& command, DetectArguments& arguments) {
   command.add_option("--calib", arguments.calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE")
       ->required();
-  command.add_option("--right-calib", arguments.right_calib, "second file, where left and right have one each")
-      ->type_name("FILE");
   add_cameras_option(command, arguments.camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
-  add_calibrated_size_option(command, arguments.camera);
+  add_calibration_options(command, arguments.camera);
   add_mount_options(command, arguments.camera);
   add_correction_options(command, arguments.corrections);
 }

@@ -196,6 +196,7 @@ void setup_track(CLI::App& app) {
   command->add_option("--times", arguments->sequence.times, "times of the pairs, one a line: seconds, or as KITTI raw")
       ->type_name("FILE");
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 2,3; of a drive else 0,1 when there, else 2,3");
+  add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   add_correction_options(*command, arguments->corrections);
   add_method_options(*command, arguments->method);
