@@ -15,6 +15,7 @@
 #include <embree3/rtcore_config.h>
 #endif
 
+#include "flies/classify/named_models.hpp"
 #include "flies/core/options.hpp"
 #include "flies/fitness/fitness.hpp"
 #include "flies/pipeline/detector.hpp"

@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "flies/core/error.hpp"
@@ -13,6 +16,7 @@
 #include "shared/commands.hpp"
 #include "shared/end_on_signal.hpp"
 #include "shared/exit_status.hpp"
+#include "shared/notes.hpp"
 #include "shared/standard_output.hpp"
 
 namespace {
@@ -100,6 +104,10 @@ void setup(CLI::App& app) {
   setup_config(app);
   setup_info(app);
   setup_completion(app);
+  constexpr std::array<std::string_view, 9> kTalking = {
+      "detect", "track", "live", "check", "synth", "evaluate", "evaluate-classifier", "train", "reproduce"};
+  for (CLI::App* command : app.get_subcommands({}))
+    if (std::ranges::find(kTalking, command->get_name()) != kTalking.end()) add_verbosity_options(*command);
   wrap_help(app);
   refuse_options_as_values(app);
 }

@@ -25,6 +25,11 @@ std::vector<std::string> fuzz_seeds() {
       "%YAML:1.0\n---\nP1: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ 500., 0., 320., 0. ]\n",
       "<?xml version=\"1.0\"?>\n<opencv_storage><P1 type_id=\"opencv-matrix\"><rows>1</rows><cols>2</cols><dt>d</dt>"
       "<data>1. 2.</data></P1></opencv_storage>\n",
+      "[LEFT_CAM_HD]\nfx=700\nfy=700\n[STEREO]\nBaseline=120\nRX_HD=0.1\n",
+      "754 0 489 0 754 265 0 0 1\n0.063\n",
+      "{\"value0\": {\"T_imu_cam\": [{\"px\": 1, \"qw\": 1}], \"intrinsics\": [{\"camera_type\": \"ds\", "
+      "\"intrinsics\": "
+      "{\"fx\": 3}}], \"resolution\": [[752, 480], [752, 480]]}}",
       "seed: 3\nevolve:\n  flies: 5000\n  initial: image\nroad.estimate: false\n",
       "a: &a [[],[],[],[]]\nb: &b [*a,*a,*a,*a]\nc: &c [*b,*b,*b,*b]\nd: [*c,*c,*c,*c]\n"};
 }

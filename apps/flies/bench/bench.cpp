@@ -172,6 +172,7 @@ void setup_bench(CLI::App& app) {
   command->add_option("--calib", arguments->calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE");
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
+  add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   command->add_option("--runs", arguments->plan.runs, "how often everything runs, in turns; medians are printed")
       ->check(CLI::Range(1, 1000))

@@ -1,32 +1,42 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <array>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
+#include "flies/core/error.hpp"
+#include "flies/core/options.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/io/calibration.hpp"
+#include "flies/io/output_file.hpp"
 #include "flies/pipeline/detector.hpp"
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
+#include "shared/notes.hpp"
 #include "shared/standard_output.hpp"
 
 namespace {
 
 struct CalibArguments {
   std::string file;
-  std::string right_file;
   std::vector<int> size_px;
   CameraArguments camera;
   bool json = false;
+  std::string format, output;  ///< to convert to; empty: print what was understood
 };
 
 flies::CalibrationRequest request_of(const CalibArguments& arguments) {
   flies::CalibrationRequest request;
-  request.right_path = arguments.right_file;
+  request.right_path = arguments.camera.right_calib;
+  request.images_are_raw = arguments.camera.is_raw;
   fill_in(request, arguments.camera);
   if (arguments.size_px.size() == 2) {
     request.width_px = arguments.size_px[0];
@@ -140,8 +150,73 @@ std::string json(const flies::Calibration& calibration) {
   return object.dump(kIndent, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
+constexpr std::array<std::pair<const char*, flies::CalibrationSyntax>, 4> kSyntaxes = {
+    {{"kitti", flies::CalibrationSyntax::kitti},
+     {"opencv", flies::CalibrationSyntax::opencv},
+     {"ros", flies::CalibrationSyntax::ros},
+     {"yaml", flies::CalibrationSyntax::yaml}}};
+
+flies::CalibrationSyntax syntax_of(const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& [known, syntax] : kSyntaxes) {
+    if (name == known) return syntax;
+    names.emplace_back(known);
+  }
+  throw flies::InputError("--write", name,
+                          fmt::format("unknown format, allowed: {}; did you mean '{}'?", fmt::join(names, ", "),
+                                      flies::nearest_name(name, names)));
+}
+
+/// "rig/left.yaml" -> "rig/right.yaml"
+std::string right_path_of(const std::string& left) {
+  const std::filesystem::path path(left);
+  std::string name = path.filename().string();
+  const auto at = name.rfind("left");
+  if (at == std::string::npos)
+    throw flies::InputError(left, "file name",
+                            "has no 'left' in it; ROS has a file for each camera, and that of the right one is named "
+                            "so (--output left.yaml)");
+  name.replace(at, std::string_view("left").size(), "right");
+  return (path.parent_path() / name).string();
+}
+
+/// What the file does not hold any more.
+std::vector<std::string> losses(const flies::Calibration& calibration, flies::CalibrationSyntax syntax) {
+  std::vector<std::string> notes;
+  if (syntax != flies::CalibrationSyntax::yaml && (calibration.has_height || calibration.has_pitch))
+    notes.emplace_back("height, pitch and roll of the camera have no place in this format");
+  if (syntax == flies::CalibrationSyntax::kitti && calibration.camera.width_px > 0)
+    notes.emplace_back("the size of the images has no place in this format");
+  if (syntax == flies::CalibrationSyntax::ros && calibration.rectifier)
+    notes.emplace_back("the files are of raw images: read them with --raw");
+  return notes;
+}
+
+void convert(const flies::Calibration& calibration, const CalibArguments& arguments) {
+  const auto syntax = syntax_of(arguments.format);
+  const bool is_ros = syntax == flies::CalibrationSyntax::ros;
+  if (is_ros && arguments.output.empty())
+    throw flies::InputError("--write", "ros", "makes two files; say where: --output left.yaml");
+  const auto texts = flies::calibration_texts(calibration, syntax);
+  if (is_ros) {
+    flies::OutputFile left(arguments.output), right(right_path_of(arguments.output));
+    left.write(texts.text);
+    right.write(texts.right);
+    left.commit();
+    right.commit();
+  } else if (arguments.output.empty()) {
+    print(texts.text);
+  } else {
+    flies::write_file(arguments.output, texts.text);
+  }
+  say_notes(losses(calibration, syntax));
+}
+
 void run_calib(const CalibArguments& arguments) {
+  if (!arguments.output.empty() && arguments.format.empty())
+    throw flies::InputError("--output", arguments.output, "needs a format: --write kitti, opencv, ros or yaml");
   const auto calibration = flies::load_calibration(arguments.file, request_of(arguments));
+  if (!arguments.format.empty()) return convert(calibration, arguments);
   print(arguments.json ? json(calibration) : table(calibration, arguments));
 }
 
@@ -151,23 +226,30 @@ void setup_calib(CLI::App& app) {
   CLI::App* command = app.add_subcommand("calib", "print what a calibration file says, in metres and pixels");
   const auto arguments = std::make_shared<CalibArguments>();
   command->add_option("FILE", arguments->file, "calibration; the format is recognised from its content")->required();
-  command->add_option("--right,--right-calib", arguments->right_file,
+  command->add_option("--right,--right-calib", arguments->camera.right_calib,
                       "second file: the right camera of a ROS pair, or OpenCV's other half (intrinsics beside "
                       "extrinsics)");
-  add_cameras_option(*command, arguments->camera, "left and right KITTI camera (default 2,3)");
+  add_cameras_option(*command, arguments->camera,
+                     "left and right camera, of KITTI (default 2,3), Kalibr, DepthAI, Basalt");
   command->add_option("--size", arguments->size_px, "image size where the file has none")
       ->delimiter(',')
       ->expected(2)
       ->check(CLI::Range(1, 100000))
       ->type_name("W,H");
+  add_raw_option(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
+  command->add_option("--write", arguments->format, "convert to: kitti, opencv, ros, yaml")->type_name("FORMAT");
+  command->add_option("--output", arguments->output, "where to; else standard output. ros: left.yaml")
+      ->type_name("FILE");
   command->add_flag("--json", arguments->json, "print JSON instead of a table");
   command->footer(
-      "\nFormats: KITTI object, raw and odometry, OpenCV stereo YAML or XML, ROS camera_info pair,\n"
-      "Middlebury, and the YAML that flies synth writes.\n"
+      "\nFormats: KITTI object, raw and odometry, OpenCV stereo YAML or XML, ROS camera_info pair, Kalibr,\n"
+      "EuRoC sensor.yaml pair, ORB-SLAM2 and 3, ZED, DepthAI, Basalt, MATLAB stereoParameters, Middlebury,\n"
+      "FoundationStereo, and the YAML that flies synth writes (docs/formats.md).\n"
       "\nExamples:\n"
       "  flies calib calib_cam_to_cam.txt --cameras 0,1\n"
       "  flies calib left.yaml --right right.yaml --camera-height 0.98\n"
+      "  flies calib camchain.yaml --write opencv --output stereo.yml\n"
       "\nExit status: 0 understood, 2 not.");
   command->callback([arguments] { run_calib(*arguments); });
 }

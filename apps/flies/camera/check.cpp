@@ -20,7 +20,7 @@
 namespace {
 
 struct CheckArguments {
-  std::string left, right, calib, right_calib, picture;
+  std::string left, right, calib, picture;
   CameraArguments camera;
   bool json = false;
 };
@@ -36,8 +36,7 @@ Checked check(const CheckArguments& arguments) {
   checked.pairs = flies::find_pairs(arguments.left, arguments.right);
   const auto& [left, right] = checked.pairs.front();
   flies::GrayPair images = flies::load_pair(left, right);
-  auto request = calibration_request(arguments.camera, left, right, images.view());
-  request.right_path = arguments.right_calib;
+  const auto request = calibration_request(arguments.camera, left, right, images.view());
   checked.calibration = flies::load_calibration(arguments.calib, request);
   if (checked.calibration.rectifier) images = checked.calibration.rectifier->rectify(images);
   const flies::RectifiedPair pair = images.view();
@@ -121,10 +120,8 @@ void setup_check(CLI::App& app) {
   command->add_option("--calib", arguments->calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE")
       ->required();
-  command->add_option("--right-calib", arguments->right_calib, "second file, where left and right have one each")
-      ->type_name("FILE");
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
-  add_calibrated_size_option(*command, arguments->camera);
+  add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   command->add_flag("--json", arguments->json, "the same as JSON")->group("Output");
   command

@@ -260,7 +260,7 @@ void setup_live(CLI::App& app) {
   const auto arguments = std::make_shared<LiveArguments>();
   add_source_options(*command, *arguments);
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 2,3; of a drive else 0,1 when there, else 2,3");
-  add_calibrated_size_option(*command, arguments->camera);
+  add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   add_correction_options(*command, arguments->corrections);
   add_method_options(*command, arguments->method);

@@ -8,7 +8,15 @@ void add_mount_options(CLI::App& command, CameraArguments& arguments) {
       ->type_name("DEG");
 }
 
-void add_calibrated_size_option(CLI::App& command, CameraArguments& arguments) {
+void add_raw_option(CLI::App& command, CameraArguments& arguments) {
+  command.add_flag("--raw", arguments.is_raw,
+                   "the images are as the cameras gave them: rectify them by the file, where it is of both kinds");
+}
+
+void add_calibration_options(CLI::App& command, CameraArguments& arguments) {
+  command.add_option("--right-calib", arguments.right_calib, "second file, where left and right have one each")
+      ->type_name("FILE");
+  add_raw_option(command, arguments);
   command
       .add_option("--calib-size", arguments.calibrated_size_px,
                   "image size that a calibration file without one is for, where the images were resized")
@@ -35,6 +43,8 @@ flies::CalibrationRequest calibration_request(const CameraArguments& arguments, 
     request.calibrated_width_px = arguments.calibrated_size_px[0];
     request.calibrated_height_px = arguments.calibrated_size_px[1];
   }
+  request.right_path = arguments.right_calib;
+  request.images_are_raw = arguments.is_raw;
   request.width_px = images.left.width_px;
   request.height_px = images.left.height_px;
   return request;

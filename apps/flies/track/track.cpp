@@ -120,6 +120,7 @@ void run_track(TrackArguments arguments) {
   std::optional<flies::Calibration> calibration;
   std::optional<flies::Tracker> tracker;
   RunDiagnosis run;
+  std::shared_ptr<const flies::RunRecord> run_of;
   std::optional<LineFile> json, kitti;
   if (!arguments.json.empty()) json.emplace(arguments.json);
   if (!arguments.kitti.empty()) kitti.emplace(arguments.kitti);
@@ -145,8 +146,14 @@ void run_track(TrackArguments arguments) {
     if (i == 0) {
       calibration->camera.width_px = pair.left.width_px;
       calibration->camera.height_px = pair.left.height_px;
-      tracker.emplace(calibration->camera, effective_options(arguments.method, calibration->camera), following,
-                      classifier);
+      const auto options = effective_options(arguments.method, calibration->camera);
+      tracker.emplace(calibration->camera, options, following, classifier);
+      run_of = run_record(arguments.method, options, calibration->camera, source.calib, classifier->name());
+      auto notes = source.notes;
+      for (const auto& note : calibration->notes) notes.push_back(source.calib + ": " + note);
+      for (const auto& note : run.notes) notes.push_back(left_path + ": " + note);
+      say_notes(notes);
+      say_run(*run_of);
       flies::check_true_pair(pair, calibration->camera, left_path, right_path);
     }
 
@@ -157,7 +164,8 @@ void run_track(TrackArguments arguments) {
                              .seed = unfitted.seed,
                              .preset = preset_name(unfitted),
                              .camera = calibration->camera,
-                             .tracking = tracker->process(pair, source.times_s[i])};
+                             .tracking = tracker->process(pair, source.times_s[i]),
+                             .run = run_of};
     const std::chrono::duration<double, std::milli> latency = std::chrono::steady_clock::now() - start;
     if (json) json->write(track_json_line(frame));
     if (kitti) kitti->write(kitti_tracking_lines(frame));
@@ -166,10 +174,6 @@ void run_track(TrackArguments arguments) {
     status.show(latency.count());
   }
   if (film) film->commit();
-  auto notes = source.notes;
-  for (const auto& note : calibration->notes) notes.push_back(source.calib + ": " + note);
-  for (const auto& note : run.notes) notes.push_back(source.pairs.front().left + ": " + note);
-  say_notes(notes);
 }
 
 }  // namespace
@@ -195,6 +199,7 @@ void setup_track(CLI::App& app) {
       ->delimiter(',')
       ->type_name("LEFT,RIGHT");
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 2,3; of a drive else 0,1 when there, else 2,3");
+  add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   add_correction_options(*command, arguments->corrections);
   add_method_options(*command, arguments->method);

@@ -10,6 +10,7 @@
 
 #include "flies/classify/base64.hpp"
 #include "flies/classify/half.hpp"
+#include "flies/classify/shipped_model.hpp"
 #include "flies/core/error.hpp"
 
 static_assert(std::endian::native == std::endian::little, "numbers in model files are little-endian");
@@ -331,6 +332,8 @@ PeopleModel parse_people_model(std::string_view text, const std::string& source)
 PeopleModel parse_embedded_model(std::string_view text, const std::string& source) {
   return parse(text, source, false);
 }
+
+PeopleModel shipped_people_model() { return parse_embedded_model(shipped_model_text(), "flies-48x96"); }
 
 std::string people_model_text(const PeopleModel& model) {
   check_people_model(model, model.name);

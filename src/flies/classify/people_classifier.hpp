@@ -12,8 +12,9 @@
 
 namespace flies {
 
-/// Looks at windows of one image, at all or some of them, then closer at a few. What one look finds out serves the
-/// next. Threads: one object serves one thread at a time.
+/// A cascade (Viola and Jones 2001) over windows of one image: the first stage, called the first look or `screen`, is
+/// cheap and sees all or some windows; the last, `classify`, sees the few that are left. What one look finds out serves
+/// the next. Threads: one object serves one thread at a time.
 class PeopleLooks {
  public:
   virtual ~PeopleLooks() = default;

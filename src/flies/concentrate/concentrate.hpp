@@ -16,7 +16,7 @@
 
 namespace flies {
 
-/// Condenses flies into obstacles (METHOD section "Concentrating"): the sum of the steps below.
+/// Condenses flies into obstacles (Li 2010, III.B): the sum of the steps below.
 /// @param flies scored flies; those outside the field of detection have no say
 ConcentrateResult concentrate(const Population& flies, const Projection& projection, const RoadPlane& road,
                               const FieldOptions& field, const ConcentrateOptions& options);

@@ -16,9 +16,12 @@ namespace flies {
 namespace {
 
 /// In order of recognition: the particular before the general.
-const std::array kFormats = {&detail::kPlainYaml,   &detail::kMiddlebury,    &detail::kKittiRaw,
-                             &detail::kKittiObject, &detail::kKittiOdometry, &detail::kRosCameraInfo,
-                             &detail::kOpenCvStereo};
+const std::array kFormats = {&detail::kPlainYaml,    &detail::kMiddlebury,      &detail::kKittiRaw,
+                             &detail::kKittiObject,  &detail::kKalibr,          &detail::kKittiOdometry,
+                             &detail::kOrbSlam,      &detail::kEuroc,           &detail::kZed,
+                             &detail::kDepthAi,      &detail::kBasalt,          &detail::kMatlab,
+                             &detail::kStereodemo,   &detail::kStixel,          &detail::kRosCameraInfo,
+                             &detail::kOpenCvStereo, &detail::kCameraMatrixText};
 
 const detail::CalibrationFormat& recognise(const NumberTable& table) {
   for (const auto* format : kFormats)
@@ -104,12 +107,15 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
   const auto table = read_number_table(path);
   const auto& format = recognise(table);
   if (request.cameras && !format.has_cameras)
-    throw InputError(path, "cameras", fmt::format("only a file of KITTI lets them be chosen, found {}", format.name));
+    throw InputError(path, "cameras", fmt::format("cannot be chosen: a file of the format {} has two", format.name));
   if (!request.right_path.empty() && !format.has_second_file)
     throw InputError(request.right_path, "right calibration",
                      fmt::format("is not used: {} is of the format {}, which says all in one file", path, format.name));
   auto calibration = format.read(table, request);
   calibration.format = format.name;
+  if (request.images_are_raw && !calibration.rectifier)
+    throw InputError(path, "raw images",
+                     fmt::format("are nothing that this file describes: {} is of rectified ones", format.name));
   apply_mount(request, calibration);
   check_baseline(calibration, path);
   auto& camera = calibration.camera;

@@ -15,11 +15,14 @@ struct CalibrationRequest {
   /// Second file: the right camera of a ROS pair, or the other half of OpenCV's intrinsics.yml and extrinsics.yml.
   /// When empty, the right file of a ROS pair is looked for beside the left one.
   std::string right_path;
-  std::optional<std::array<int, 2>> cameras;    ///< KITTI cameras, left and right; other formats refuse them
+  /// Cameras, left and right, of formats that may have more than two; other formats refuse them.
+  std::optional<std::array<int, 2>> cameras;
   std::array<int, 2> default_cameras = {2, 3};  ///< KITTI cameras when none are given; other formats ignore them
   /// Size of the images: used when the file does not say, and scaled to when it is the file's but for one scale.
   int width_px = 0;
   int height_px = 0;
+  /// The images are as the cameras gave them: matters where a file says both what raw and what rectified images are.
+  bool images_are_raw = false;
   int calibrated_width_px = 0;  ///< size that a file without one is for
   int calibrated_height_px = 0;
   std::optional<double> camera_height_m;  ///< these three overrule the file
@@ -45,6 +48,24 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
 
 /// The camera as the plain YAML that `load_calibration` reads back to the same values.
 std::string calibration_yaml(const StereoCamera& camera);
+
+/// Formats that calibrations are converted to.
+enum class CalibrationSyntax {
+  kitti,   ///< KITTI object calib.txt: rectified images, without their size
+  opencv,  ///< P1 and P2 of rectified images; M1 D1 M2 D2 R T of raw ones
+  ros,     ///< camera_info, a file for each camera
+  yaml,    ///< our own: rectified images, with the mount
+};
+
+struct CalibrationTexts {
+  std::string text;   ///< the file, or that of the left camera
+  std::string right;  ///< that of the right camera, where each has one; otherwise empty
+};
+
+/// The calibration in another format. Raw images stay raw, where the format has a place for them.
+/// @throws InputError when the format has none: KITTI and our own for raw images, OpenCV and ROS for lenses that they
+///         do not have
+CalibrationTexts calibration_texts(const Calibration& calibration, CalibrationSyntax syntax);
 
 /// The KITTI cameras that a pair of paths names: `image_00`, `image_0` and the like in a folder or file name.
 /// @returns nothing unless the paths name one each, and not the same

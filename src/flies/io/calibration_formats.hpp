@@ -10,7 +10,7 @@ namespace flies::detail {
 /// A calibration format: how to know it and how to read it.
 struct CalibrationFormat {
   const char* name;
-  bool has_cameras;      ///< says more than two, of which a pair is chosen
+  bool has_cameras;      ///< may say more than two, of which a pair is chosen
   bool has_second_file;  ///< may be split into two
   bool (*matches)(const NumberTable& table);
   /// Fills camera, names and notes; name, mount defaults and the checks common to all are the caller's.
@@ -18,7 +18,7 @@ struct CalibrationFormat {
 };
 
 extern const CalibrationFormat kKittiObject, kKittiRaw, kKittiOdometry, kMiddlebury, kPlainYaml, kRosCameraInfo,
-    kOpenCvStereo;
+    kOpenCvStereo, kKalibr, kEuroc, kOrbSlam, kZed, kDepthAi, kBasalt, kMatlab, kCameraMatrixText, kStereodemo, kStixel;
 
 /// A 3 x 4 projection matrix and where it was read.
 struct ProjectionKey {

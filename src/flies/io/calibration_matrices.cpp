@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "flies/core/error.hpp"
-#include "flies/io/calibration_formats.hpp"
+#include "flies/io/formats/raw_pair.hpp"
 
 namespace flies::detail {
 namespace {
@@ -55,8 +56,11 @@ bool is_projection_table(const NumberTable& table) { return table.has("P0") || t
 
 Calibration read_kitti(const NumberTable& table, const CalibrationRequest& request, const char* pattern,
                        const char* size_pattern) {
-  const auto cameras = request.cameras.value_or(request.default_cameras);
   const auto key = [&](int camera) { return fmt::format(fmt::runtime(pattern), camera); };
+  auto cameras = request.cameras.value_or(request.default_cameras);
+  // A file of one pair leaves no choice.
+  if (!request.cameras && table.has(key(0)) && table.has(key(1)) && !table.has(key(2)) && !table.has(key(3)))
+    cameras = {0, 1};
   for (const int camera : cameras)
     if (!table.has(key(camera)))
       throw InputError(table.source, key(camera), "is missing; choose the cameras of the images, e.g. 0 and 1");
@@ -67,6 +71,24 @@ Calibration read_kitti(const NumberTable& table, const CalibrationRequest& reque
     calibration.camera.height_px = static_cast<int>(std::lround(std::clamp(size[1], 0.0, 1e5)));
   }
   return calibration;
+}
+
+/// KITTI raw before rectification: R_0x and T_0x are the pose of the first camera's points in camera x.
+Calibration read_unrectified_kitti(const NumberTable& table, const CalibrationRequest& request) {
+  const auto cameras = request.cameras.value_or(request.default_cameras);
+  const auto key = [](const char* name, int camera) { return fmt::format("{}_{:02}", name, camera); };
+  const auto pose = [&](int camera) {
+    const auto& t = table.require(key("T", camera), 3);
+    return Pose{matrix_of(table, key("R", camera)), {t[0], t[1], t[2]}};
+  };
+  const auto camera_of = [&](int camera) {
+    return RawCamera{matrix_of(table, key("K", camera)), table.require(key("D", camera)), Lens::brown};
+  };
+  RawPair pair{{}, key("K", cameras[0]), key("K", cameras[1]), key("R", cameras[1])};
+  const auto size = size_of_list(table, key("S", cameras[0]));
+  pair.stereo = {size.width_px, size.height_px, camera_of(cameras[0]), camera_of(cameras[1]), {}, {}};
+  set_pose(pair.stereo, chained(pose(cameras[1]), inverse(pose(cameras[0]))));
+  return calibration_from_raw(std::move(pair), request, table.source);
 }
 
 Calibration read_middlebury(const NumberTable& table, const CalibrationRequest&) {
@@ -149,7 +171,8 @@ const CalibrationFormat kKittiRaw{
     "KITTI raw calib_cam_to_cam.txt", true, false,
     [](const NumberTable& table) { return table.has("P_rect_00") || table.has("P_rect_02"); },
     [](const NumberTable& table, const CalibrationRequest& request) {
-      return read_kitti(table, request, "P_rect_{:02}", "S_rect_{:02}");
+      return request.images_are_raw ? read_unrectified_kitti(table, request)
+                                    : read_kitti(table, request, "P_rect_{:02}", "S_rect_{:02}");
     }};
 
 const CalibrationFormat kKittiOdometry{"KITTI odometry calib.txt", true, false,

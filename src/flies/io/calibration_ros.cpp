@@ -2,14 +2,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <filesystem>
 #include <optional>
-#include <string_view>
+#include <string>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
-#include "flies/io/calibration_formats.hpp"
+#include "flies/io/formats/raw_pair.hpp"
+#include "flies/io/formats/second_file.hpp"
 
 namespace flies::detail {
 namespace {
@@ -62,6 +62,24 @@ struct RosCamera {
     if (!key) throw InputError(table.source, prefix + "projection_matrix", "is missing");
     return {table, *key};
   }
+  /// The first of the names that the file has; the first of all when it has none.
+  std::string key(const char* of_file, const char* of_ros1, const char* of_ros2) const {
+    return first_key({of_file, of_ros1, of_ros2}).value_or(prefix + of_file);
+  }
+  RectifiedView view() const {
+    RectifiedView view;
+    view.camera.matrix = matrix_of(table, key("camera_matrix", "K", "k"));
+    const std::string model_key = prefix + "distortion_model", distortion = key("distortion_coefficients", "D", "d");
+    view.camera.lens = lens_of(table.word(model_key), model_key, table.source);
+    if (const auto found = table.entries.find(distortion);
+        found != table.entries.end() && !found->second.numbers.empty())
+      view.camera.distortion = table.require(distortion);
+    view.rotation = matrix_of(table, key("rectification_matrix", "R", "r"));
+    view.projection = table.require(projection().key, 12);
+    if (view.projection[0] == 0.0)
+      throw InputError(table.source, projection().key, "found a focal length of 0, expected a positive one");
+    return view;
+  }
   int size_px(std::initializer_list<const char*> names) const {
     const auto key = first_key(names);
     return key ? table.require_size(*key) : 0;
@@ -76,50 +94,50 @@ struct RosCamera {
   }
 };
 
-Calibration read_ros_pair(const RosCamera& left, const RosCamera& right) {
-  auto calibration = calibration_from_projections(left.projection(), right.projection());
+void check_same_size(const RosCamera& left, const RosCamera& right) {
   if (left.width_px() != right.width_px() || left.height_px() != right.height_px())
     throw InputError(right.table.source, right.prefix + "image size",
                      fmt::format("found {} x {} px, expected {} x {} px as for the left camera", right.width_px(),
                                  right.height_px(), left.width_px(), left.height_px()));
+}
+
+Calibration read_ros_pair(const RosCamera& left, const RosCamera& right, const CalibrationRequest&) {
+  auto calibration = calibration_from_projections(left.projection(), right.projection());
+  check_same_size(left, right);
   calibration.camera.width_px = left.width_px();
   calibration.camera.height_px = left.height_px();
   if (left.is_distorted() || right.is_distorted())
     calibration.notes.push_back(
-        "the images are taken as rectified (image_rect); the distortion coefficients are ignored");
+        "the images are taken as rectified (image_rect); the distortion coefficients are ignored (--raw: they are as "
+        "the cameras gave them, image_raw)");
   return calibration;
 }
 
-/// "left.yaml" -> "right.yaml", in the file name only.
-std::optional<std::filesystem::path> right_file_beside(const std::filesystem::path& left) {
-  constexpr std::array<std::array<std::string_view, 2>, 3> kNames = {
-      {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}}};
-  for (const auto& [left_name, right_name] : kNames) {
-    std::string name = left.filename().string();
-    const auto at = name.rfind(left_name);
-    if (at == std::string::npos) continue;
-    name.replace(at, left_name.size(), right_name);
-    return left.parent_path() / name;
-  }
-  return std::nullopt;
+/// Of images as the cameras gave them: the file says how each of them is rectified, and so where the other stands.
+Calibration read_raw_ros_pair(const RosCamera& left, const RosCamera& right, const CalibrationRequest& request) {
+  check_same_size(left, right);
+  RawPair pair{{},
+               left.key("camera_matrix", "K", "k"),
+               right.key("camera_matrix", "K", "k"),
+               left.key("rectification_matrix", "R", "r")};
+  const auto left_view = left.view(), right_view = right.view();
+  pair.stereo.left = left_view.camera;
+  pair.stereo.right = right_view.camera;
+  set_pose(pair.stereo, pose_of_views(left_view, right_view));
+  const auto size = known_size({left.width_px(), left.height_px()}, request);
+  pair.stereo.width_px = size.width_px;
+  pair.stereo.height_px = size.height_px;
+  return calibration_from_raw(std::move(pair), request, left.table.source);
 }
 
 Calibration read_ros(const NumberTable& table, const CalibrationRequest& request) {
+  const auto read = request.images_are_raw ? read_raw_ros_pair : read_ros_pair;
   if (table.has("left.projection_matrix") || table.has("right.projection_matrix"))
-    return read_ros_pair({table, "left."}, {table, "right."});
-  std::string right_path = request.right_path;
-  if (right_path.empty()) {
-    const auto beside = right_file_beside(table.source);
-    if (!beside || !std::filesystem::exists(*beside))
-      throw InputError(table.source, "right camera",
-                       beside ? fmt::format("is missing: there is no {}", beside->string())
-                              : std::string("is missing: this file describes one camera; give the file of the other"));
-    right_path = beside->string();
-  }
-  const auto right = read_number_table(right_path);
-  auto calibration = read_ros_pair({table, ""}, {right, ""});
+    return read({table, "left."}, {table, "right."}, request);
+  const auto right = read_right_file(table, request);
+  auto calibration = read({table, ""}, {right, ""}, request);
   calibration.left_name = table.source;
-  calibration.right_name = right_path;
+  calibration.right_name = right.source;
   return calibration;
 }
 

@@ -14,8 +14,11 @@ struct NumberEntry {
   std::string not_a_number;  ///< first word that is not a number, empty when all are; only a fault when it is asked for
 };
 
-/// A calibration file of any syntax, flattened: keys ("P2", "left.projection_matrix") and their numbers, row by row.
-/// Every calibration format is a reader of this one table.
+/// The key of numbers that stand in a file without any.
+inline constexpr const char* kBareNumbers = "numbers";
+
+/// A calibration file of any syntax, flattened: keys ("P2", "left.projection_matrix", "cameraData.0.1.width": lists of
+/// maps count their items) and their numbers, row by row. Every calibration format is a reader of this one table.
 struct NumberTable {
   std::string source;  ///< file name, for errors
   std::map<std::string, NumberEntry, std::less<>> entries;
@@ -29,9 +32,12 @@ struct NumberTable {
   double require_number(std::string_view key) const { return require(key, 1)[0]; }
   /// A whole number of pixels, 1..100000.
   int require_size(std::string_view key) const;
+  /// The first word of `key`, in small letters; "" when it is missing or a number.
+  std::string word(std::string_view key) const;
 };
 
-/// Reads a calibration file of any understood syntax: `key: numbers` lines, `key=[...]` lines, YAML, OpenCV XML.
+/// Reads a calibration file of any understood syntax: `key: numbers` lines, `key=[...]` lines,
+/// sections of `key=number` lines, bare numbers, YAML, JSON, OpenCV XML.
 /// @throws InputError when the file cannot be read or its YAML or XML is malformed
 NumberTable read_number_table(const std::string& path);
 

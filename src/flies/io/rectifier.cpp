@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
+#include <utility>
 
 #include "flies/core/error.hpp"
 
@@ -16,9 +19,20 @@ struct Remap {
   cv::Mat columns, rows;
 };
 
+/// Rotations of both cameras into the rectified frame and their projections, as OpenCV calls them.
+struct Rectification {
+  cv::Mat r1, r2, p1, p2;
+};
+
 template <std::size_t Size>
 cv::Mat matrix(const std::array<double, Size>& values, int rows) {
   return cv::Mat(rows, static_cast<int>(Size) / rows, CV_64F, const_cast<double*>(values.data())).clone();
+}
+
+std::array<double, 9> numbers(const cv::Mat& rotation) {
+  std::array<double, 9> values{};
+  for (int i = 0; i < 9; ++i) values[static_cast<std::size_t>(i)] = rotation.at<double>(i / 3, i % 3);
+  return values;
 }
 
 GrayImage apply(const Remap& map, const GrayImage& image) {
@@ -29,44 +43,129 @@ GrayImage apply(const Remap& map, const GrayImage& image) {
   return result;
 }
 
+bool is_of(const RawStereo& raw, Lens lens) { return raw.left.lens == lens && raw.right.lens == lens; }
+
+/// By OpenCV's own functions, for its two models.
+Rectification rectify_by_opencv(const RawStereo& raw) {
+  const cv::Size size(raw.width_px, raw.height_px);
+  const cv::Mat m1 = matrix(raw.left.matrix, 3), m2 = matrix(raw.right.matrix, 3);
+  const cv::Mat d1(raw.left.distortion, true), d2(raw.right.distortion, true);
+  const cv::Mat r = matrix(raw.rotation, 3), t = matrix(raw.translation_m, 3);
+  Rectification result;
+  cv::Mat q;
+  constexpr double kOnlyValidPixels = 0.0;
+  if (is_of(raw, Lens::equidistant))
+    cv::fisheye::stereoRectify(m1, d1, m2, d2, size, r, t, result.r1, result.r2, result.p1, result.p2, q,
+                               cv::CALIB_ZERO_DISPARITY, size, kOnlyValidPixels);
+  else
+    cv::stereoRectify(m1, d1, m2, d2, size, r, t, result.r1, result.r2, result.p1, result.p2, q,
+                      cv::CALIB_ZERO_DISPARITY, kOnlyValidPixels, size);
+  return result;
+}
+
+/// The raw pixel that a rectified one is taken from.
+std::optional<std::array<double, 2>> raw_pixel(const RawCamera& camera, const cv::Mat& rotation, double focal_px,
+                                               cv::Point2d offset_px) {
+  const cv::Matx31d ray(offset_px.x / focal_px, offset_px.y / focal_px, 1.0);
+  const cv::Matx31d in_camera = cv::Matx33d(rotation).t() * ray;
+  return project(camera, {in_camera(0), in_camera(1), in_camera(2)});
+}
+
+/// Whether the border of the rectified image is seen by both raw cameras.
+bool is_covered(const RawStereo& raw, const Rectification& to, double focal_px) {
+  constexpr int kSteps = 32;
+  const double w = raw.width_px - 1, h = raw.height_px - 1;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double s = static_cast<double>(i) / kSteps - 0.5;
+    for (const cv::Point2d at : {cv::Point2d(s * w, -0.5 * h), cv::Point2d(s * w, 0.5 * h),
+                                 cv::Point2d(-0.5 * w, s * h), cv::Point2d(0.5 * w, s * h)})
+      for (const auto& [camera, rotation] : {std::pair{&raw.left, &to.r1}, std::pair{&raw.right, &to.r2}}) {
+        const auto pixel = raw_pixel(*camera, *rotation, focal_px, at);
+        if (!pixel || (*pixel)[0] < 0.0 || (*pixel)[0] > w || (*pixel)[1] < 0.0 || (*pixel)[1] > h) return false;
+      }
+  }
+  return true;
+}
+
+/// For the models that OpenCV does not have: the rotations do not depend on the lens, the focal length is the least
+/// that shows valid pixels only.
+Rectification rectify_any_lens(const RawStereo& raw) {
+  RawStereo pinhole = raw;
+  for (RawCamera* camera : {&pinhole.left, &pinhole.right}) {
+    camera->lens = Lens::brown;
+    camera->distortion.assign(5, 0.0);
+  }
+  Rectification result = rectify_by_opencv(pinhole);
+  constexpr double kWidest = 0.25, kNarrowest = 8.0;  // focal length over width: 127 and 7 degrees across
+  double low = kWidest * raw.width_px, high = kNarrowest * raw.width_px;
+  if (!is_covered(raw, result, high)) CV_Error(cv::Error::StsBadArg, "both cameras never see the same");
+  while (high - low > 1e-3 * low) {
+    const double middle = 0.5 * (low + high);
+    (is_covered(raw, result, middle) ? high : low) = middle;
+  }
+  const double vertical = std::abs(result.p2.at<double>(1, 3)),
+               across_m = result.p2.at<double>(0, 3) / result.p2.at<double>(0, 0);
+  result.p1 = (cv::Mat_<double>(3, 4) << high, 0, 0.5 * (raw.width_px - 1), 0, 0, high, 0.5 * (raw.height_px - 1), 0, 0,
+               0, 1, 0);
+  result.p2 = result.p1.clone();
+  result.p2.at<double>(0, 3) = high * across_m;
+  result.p2.at<double>(1, 3) = vertical;
+  return result;
+}
+
+Remap map_of(const RawCamera& camera, const cv::Mat& rotation, const cv::Mat& projection, const cv::Size& size) {
+  const cv::Mat m = matrix(camera.matrix, 3), d(camera.distortion, true);
+  Remap map;
+  if (camera.lens == Lens::equidistant) {
+    cv::fisheye::initUndistortRectifyMap(m, d, rotation, projection, size, CV_16SC2, map.columns, map.rows);
+  } else if (camera.lens == Lens::brown) {
+    cv::initUndistortRectifyMap(m, d, rotation, projection, size, CV_16SC2, map.columns, map.rows);
+  } else {
+    cv::Mat columns(size, CV_32F, cv::Scalar(-1)), rows(size, CV_32F, cv::Scalar(-1));
+    const double focal_px = projection.at<double>(0, 0);
+    const cv::Point2d centre(projection.at<double>(0, 2), projection.at<double>(1, 2));
+    for (int v = 0; v < size.height; ++v)
+      for (int u = 0; u < size.width; ++u)
+        if (const auto pixel = raw_pixel(camera, rotation, focal_px, cv::Point2d(u, v) - centre)) {
+          columns.at<float>(v, u) = static_cast<float>((*pixel)[0]);
+          rows.at<float>(v, u) = static_cast<float>((*pixel)[1]);
+        }
+    cv::convertMaps(columns, rows, map.columns, map.rows, CV_16SC2);
+  }
+  return map;
+}
+
 }  // namespace
 
 struct Rectifier::Maps {
   Remap left, right;
 };
 
-Rectifier::Rectifier(const RawStereo& raw, const std::string& source) : source_(source) {
+Rectifier::Rectifier(const RawStereo& raw, const std::string& source) : raw_(raw), source_(source) {
   const cv::Size size(raw.width_px, raw.height_px);
-  const cv::Mat m1 = matrix(raw.left_intrinsics, 3), m2 = matrix(raw.right_intrinsics, 3);
-  const cv::Mat d1(raw.left_distortion, true), d2(raw.right_distortion, true);
   auto maps = std::make_shared<Maps>();
-  cv::Mat r1, r2, p1, p2, q;
+  Rectification to;
   try {
-    if (raw.is_fisheye) {
-      cv::fisheye::stereoRectify(m1, d1, m2, d2, size, matrix(raw.rotation, 3), matrix(raw.translation_m, 3), r1, r2,
-                                 p1, p2, q, cv::CALIB_ZERO_DISPARITY, size);
-      cv::fisheye::initUndistortRectifyMap(m1, d1, r1, p1, size, CV_16SC2, maps->left.columns, maps->left.rows);
-      cv::fisheye::initUndistortRectifyMap(m2, d2, r2, p2, size, CV_16SC2, maps->right.columns, maps->right.rows);
-    } else {
-      constexpr double kOnlyValidPixels = 0.0;
-      cv::stereoRectify(m1, d1, m2, d2, size, matrix(raw.rotation, 3), matrix(raw.translation_m, 3), r1, r2, p1, p2, q,
-                        cv::CALIB_ZERO_DISPARITY, kOnlyValidPixels, size);
-      cv::initUndistortRectifyMap(m1, d1, r1, p1, size, CV_16SC2, maps->left.columns, maps->left.rows);
-      cv::initUndistortRectifyMap(m2, d2, r2, p2, size, CV_16SC2, maps->right.columns, maps->right.rows);
-    }
+    const bool is_opencv = is_of(raw, Lens::brown) || is_of(raw, Lens::equidistant);
+    to = is_opencv ? rectify_by_opencv(raw) : rectify_any_lens(raw);
+    maps->left = map_of(raw.left, to.r1, to.p1, size);
+    maps->right = map_of(raw.right, to.r2, to.p2, size);
   } catch (const cv::Exception& error) {
-    throw InputError(source, "M1 D1 M2 D2 R T", fmt::format("no rectification exists ({})", error.err));
+    throw InputError(source, "camera matrices, distortion, R, T",
+                     fmt::format("no rectification exists ({})", error.err));
   }
-  if (p2.at<double>(1, 3) != 0.0)
+  if (to.p2.at<double>(1, 3) != 0.0)
     throw InputError(source, "T", "the cameras stand one above the other, expected side by side");
-  camera_.fx_px = p1.at<double>(0, 0);
-  camera_.fy_px = p1.at<double>(1, 1);
-  camera_.cx_px = p1.at<double>(0, 2);
-  camera_.cx_right_px = p2.at<double>(0, 2);
-  camera_.cy_px = p1.at<double>(1, 2);
-  camera_.baseline_m = -p2.at<double>(0, 3) / p2.at<double>(0, 0);
+  camera_.fx_px = to.p1.at<double>(0, 0);
+  camera_.fy_px = to.p1.at<double>(1, 1);
+  camera_.cx_px = to.p1.at<double>(0, 2);
+  camera_.cx_right_px = to.p2.at<double>(0, 2);
+  camera_.cy_px = to.p1.at<double>(1, 2);
+  camera_.baseline_m = -to.p2.at<double>(0, 3) / to.p2.at<double>(0, 0);
   camera_.width_px = raw.width_px;
   camera_.height_px = raw.height_px;
+  left_rotation_ = numbers(to.r1);
+  right_rotation_ = numbers(to.r2);
   maps_ = std::move(maps);
 }
 

@@ -3,22 +3,20 @@
 #include <array>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "flies/core/stereo_camera.hpp"
 #include "flies/io/gray_image.hpp"
+#include "flies/io/lens.hpp"
 
 namespace flies {
 
-/// A calibrated but not rectified stereo camera, as OpenCV's stereoCalibrate leaves it.
+/// A calibrated but not rectified stereo camera.
 struct RawStereo {
   int width_px = 0;
   int height_px = 0;
-  std::array<double, 9> left_intrinsics{}, right_intrinsics{};  ///< M1, M2: 3 x 3, row by row, pixels
-  std::vector<double> left_distortion, right_distortion;        ///< D1, D2: 4, 5, 8, 12 or 14 coefficients
-  std::array<double, 9> rotation{};                             ///< R: right_from_left, 3 x 3, row by row
-  bool is_fisheye = false;  ///< OpenCV's fisheye (equidistant) model with 4 coefficients; otherwise its pinhole one
-  std::array<double, 3> translation_m{};  ///< T: right_from_left; its x is negative when the right camera is right
+  RawCamera left, right;
+  std::array<double, 9> rotation{};       ///< right_from_left, 3 x 3, row by row; OpenCV's R
+  std::array<double, 3> translation_m{};  ///< right_from_left; its x is negative when the right camera is right. T
 };
 
 /// Turns raw pairs into rectified ones: computes the rectification once, then remaps pair after pair. Rotations keep
@@ -32,12 +30,19 @@ class Rectifier {
   /// The rectified camera; its mount is the default one.
   const StereoCamera& camera() const { return camera_; }
 
+  const RawStereo& raw() const { return raw_; }
+  /// Rectified left (right) frame from raw left (right) frame, 3 x 3, row by row; OpenCV's R1 and R2.
+  const std::array<double, 9>& left_rotation() const { return left_rotation_; }
+  const std::array<double, 9>& right_rotation() const { return right_rotation_; }
+
   /// @throws InputError naming `source` when the images have another size than the calibration
   GrayPair rectify(const GrayPair& raw_pair) const;
 
  private:
   struct Maps;
+  RawStereo raw_;
   StereoCamera camera_;
+  std::array<double, 9> left_rotation_{}, right_rotation_{};
   std::string source_;
   std::shared_ptr<const Maps> maps_;
 };

@@ -67,6 +67,9 @@ struct EnumNames<Preset> {
 };
 DetectorOptions preset_options(Preset preset);
 
+/// Who finds the people with a preset: the shipped classifier; with `paper` its linear machine alone.
+std::shared_ptr<const PeopleClassifier> preset_classifier(Preset preset);
+
 /// The options of a preset made for a camera. Presets have a car's camera in mind; of another one's field of detection,
 /// scan and search for the road, the near ends follow from where it sees the road first and where both of its images
 /// see the same, the far ends from where ranges get worse than 15 % and the road too flat. Nothing is looked for

@@ -32,11 +32,11 @@ double baseline_m(const RosCameraInfo& right, const std::string& source) {
   return baseline;
 }
 
-/// Of the two cameras the one with the wrong model is named by it.
-bool is_fisheye(const RosCameraInfo& camera, const std::string& source) {
+RawCamera raw_camera(const RosCameraInfo& camera, const std::string& source) {
   const auto& model = camera.distortion_model;
-  if (model == "equidistant" || model == "fisheye") return true;
-  if (model.empty() || model == "plumb_bob" || model == "rational_polynomial") return false;
+  if (model == "equidistant" || model == "fisheye") return {camera.intrinsics, camera.distortion, Lens::equidistant};
+  if (model.empty() || model == "plumb_bob" || model == "rational_polynomial")
+    return {camera.intrinsics, camera.distortion, Lens::brown};
   throw InputError(source, "distortion_model",
                    fmt::format("found '{}', expected plumb_bob, rational_polynomial or equidistant", model));
 }
@@ -45,15 +45,8 @@ RawStereo raw_stereo(const RosCameraInfo& left, const RosCameraInfo& right, cons
   RawStereo raw;
   raw.width_px = left.width_px;
   raw.height_px = left.height_px;
-  raw.left_intrinsics = left.intrinsics;
-  raw.right_intrinsics = right.intrinsics;
-  raw.left_distortion = left.distortion;
-  raw.right_distortion = right.distortion;
-  raw.is_fisheye = is_fisheye(left, source);
-  if (is_fisheye(right, source) != raw.is_fisheye)
-    throw InputError(source, "distortion_model",
-                     fmt::format("found '{}' and '{}', expected one for both cameras", left.distortion_model,
-                                 right.distortion_model));
+  raw.left = raw_camera(left, source);
+  raw.right = raw_camera(right, source);
   // R turns each camera into the rectified axes that both share, in which the right one is `baseline` to the right.
   const Matrix from_rectified = transposed(right.rectification);
   raw.rotation = product(from_rectified, left.rectification);

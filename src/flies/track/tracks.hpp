@@ -66,7 +66,7 @@ struct TrackOptions {
   }
 };
 
-/// What a detector saw of one thing.
+/// What a detector saw of one thing in one pair: a measurement, in the words of the literature on tracking.
 struct Sighting {
   double x_m = 0.0, y_m = 0.0;
   double width_m = 0.0, height_m = 0.0;

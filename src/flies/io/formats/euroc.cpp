@@ -1,0 +1,45 @@
+// A sensor.yaml for each camera, as the EuRoC MAV data set has them, and Kimera after it: T_BS is the camera's pose in
+// the frame of the body.
+#include <fmt/format.h>
+
+#include "flies/core/error.hpp"
+#include "flies/io/formats/raw_pair.hpp"
+#include "flies/io/formats/second_file.hpp"
+
+namespace flies::detail {
+namespace {
+
+RawCamera read_camera(const NumberTable& table) {
+  RawCamera raw;
+  raw.lens = lens_of(table.word("distortion_model"), "distortion_model", table.source);
+  const auto& numbers = table.require("intrinsics", 4);
+  raw.matrix = camera_matrix(numbers[0], numbers[1], numbers[2], numbers[3]);
+  if (table.has("distortion_coefficients")) raw.distortion = table.require("distortion_coefficients");
+  return raw;
+}
+
+Calibration read_euroc(const NumberTable& left, const CalibrationRequest& request) {
+  const NumberTable right = read_right_file(left, request);
+  RawPair pair{{}, left.source, right.source, "T_BS"};
+  pair.stereo.left = read_camera(left);
+  pair.stereo.right = read_camera(right);
+  const Pose body_from_left = pose_of_rows(left.require("T_BS", 16));
+  const Pose body_from_right = pose_of_rows(right.require("T_BS", 16));
+  set_pose(pair.stereo, chained(inverse(body_from_right), body_from_left));
+  const auto size = size_of_list(left, "resolution"), other = size_of_list(right, "resolution");
+  if (size.width_px != other.width_px || size.height_px != other.height_px)
+    throw InputError(right.source, "resolution",
+                     fmt::format("found {} x {} px, expected {} x {} px as for the left camera", other.width_px,
+                                 other.height_px, size.width_px, size.height_px));
+  pair.stereo.width_px = size.width_px;
+  pair.stereo.height_px = size.height_px;
+  return calibration_from_raw(std::move(pair), request, left.source + " with " + right.source);
+}
+
+}  // namespace
+
+const CalibrationFormat kEuroc{"EuRoC sensor.yaml pair", false, true,
+                               [](const NumberTable& table) { return table.has("T_BS") && table.has("intrinsics"); },
+                               read_euroc};
+
+}  // namespace flies::detail

@@ -1,0 +1,64 @@
+// Kalibr's camchain.yaml: https://github.com/ethz-asl/kalibr/wiki/yaml-formats
+#include <fmt/format.h>
+
+#include "flies/core/error.hpp"
+#include "flies/io/formats/raw_pair.hpp"
+
+namespace flies::detail {
+namespace {
+
+std::string name_of(int camera) { return fmt::format("cam{}", camera); }
+
+/// What stands before the camera's focal lengths in `intrinsics`, and the lens that says so.
+RawCamera read_camera(const NumberTable& table, const std::string& camera) {
+  const std::string model_key = camera + ".camera_model", model = table.word(model_key);
+  RawCamera raw;
+  raw.lens = lens_of(model, model_key, table.source);
+  const std::size_t own = raw.lens == Lens::mei                                          ? 1
+                          : raw.lens == Lens::double_sphere || raw.lens == Lens::unified ? 2
+                                                                                         : 0;
+  const auto& numbers = table.require(camera + ".intrinsics", own + 4);
+  raw.distortion.assign(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(own));
+  raw.matrix = camera_matrix(numbers[own], numbers[own + 1], numbers[own + 2], numbers[own + 3]);
+  const std::string distortion_key = camera + ".distortion_model", distortion = table.word(distortion_key);
+  if (distortion.empty() || distortion == "none") return raw;
+  const Lens bent = lens_of(distortion, distortion_key, table.source);
+  if (raw.lens == Lens::brown) raw.lens = bent;
+  if (own > 0 && (raw.lens != Lens::mei || bent != Lens::brown))
+    throw InputError(table.source, distortion_key,
+                     fmt::format("found '{}' beside the camera model '{}', which has none", distortion, model));
+  const auto& coefficients = table.require(camera + ".distortion_coeffs");
+  raw.distortion.insert(raw.distortion.end(), coefficients.begin(), coefficients.end());
+  return raw;
+}
+
+/// The pose of a camera in the frame of the first one: the file chains them.
+Pose from_first(const NumberTable& table, int camera) {
+  Pose pose;
+  for (int i = 1; i <= camera; ++i) pose = chained(pose_of_rows(table.require(name_of(i) + ".T_cn_cnm1", 16)), pose);
+  return pose;
+}
+
+Calibration read_kalibr(const NumberTable& table, const CalibrationRequest& request) {
+  const auto cameras = request.cameras.value_or(std::array{0, 1});
+  const std::string left = name_of(cameras[0]), right = name_of(cameras[1]);
+  RawPair pair{{}, left, right, right + ".T_cn_cnm1"};
+  pair.stereo.left = read_camera(table, left);
+  pair.stereo.right = read_camera(table, right);
+  set_pose(pair.stereo, chained(from_first(table, cameras[1]), inverse(from_first(table, cameras[0]))));
+  const auto size = size_of_list(table, left + ".resolution"), other = size_of_list(table, right + ".resolution");
+  if (size.width_px != other.width_px || size.height_px != other.height_px)
+    throw InputError(table.source, right + ".resolution",
+                     fmt::format("found {} x {} px, expected {} x {} px as for {}", other.width_px, other.height_px,
+                                 size.width_px, size.height_px, left));
+  pair.stereo.width_px = size.width_px;
+  pair.stereo.height_px = size.height_px;
+  return calibration_from_raw(std::move(pair), request, table.source);
+}
+
+}  // namespace
+
+const CalibrationFormat kKalibr{"Kalibr camchain", true, false,
+                                [](const NumberTable& table) { return table.has("cam0.intrinsics"); }, read_kalibr};
+
+}  // namespace flies::detail

@@ -1,0 +1,91 @@
+// MATLAB's stereoParameters, written with jsonencode(toStruct(params)) or as YAML with the same names:
+// https://www.mathworks.com/help/vision/ref/stereoparameters.html, .../stereoparameterstoopencv.html
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "flies/core/error.hpp"
+#include "flies/io/formats/raw_pair.hpp"
+
+namespace flies::detail {
+namespace {
+
+constexpr const char* kFirstCamera = "CameraParameters1.RadialDistortion";
+
+/// What stands before the names: the file may hold the struct below a key of its own.
+std::optional<std::string> prefix_of(const NumberTable& table) {
+  for (const auto& [key, entry] : table.entries)
+    if (key.ends_with(kFirstCamera)) return key.substr(0, key.size() - std::string_view(kFirstCamera).size());
+  return std::nullopt;
+}
+
+/// IntrinsicMatrix multiplies from the right: it is the transposed of K. Both count pixels from 1.
+std::array<double, 9> read_matrix(const NumberTable& table, const std::string& camera) {
+  auto m = table.has(camera + "K") ? matrix_of(table, camera + "K")
+                                   : transposed(matrix_of(table, camera + "IntrinsicMatrix"));
+  m[2] -= 1.0;
+  m[5] -= 1.0;
+  return m;
+}
+
+RawCamera read_camera(const NumberTable& table, const std::string& camera) {
+  const auto& radial = table.require(camera + "RadialDistortion");
+  const auto& tangential = table.require(camera + "TangentialDistortion", 2);
+  if (radial.size() != 2 && radial.size() != 3)
+    throw InputError(table.source, camera + "RadialDistortion",
+                     fmt::format("found {} numbers, expected 2 or 3", radial.size()));
+  RawCamera raw;
+  raw.matrix = read_matrix(table, camera);
+  raw.distortion = {radial[0], radial[1], tangential[0], tangential[1], radial.size() == 3 ? radial[2] : 0.0};
+  return raw;
+}
+
+double metres_per_unit(const NumberTable& table, const std::string& prefix) {
+  std::string key = prefix + "WorldUnits";
+  if (!table.has(key)) key = prefix + "CameraParameters1.WorldUnits";
+  const std::string unit = table.word(key);
+  if (unit == "millimeters" || unit == "mm" || unit.empty()) return 1e-3;
+  if (unit == "centimeters" || unit == "cm") return 1e-2;
+  if (unit == "meters" || unit == "m") return 1.0;
+  if (unit == "inches" || unit == "in") return 0.0254;
+  throw InputError(table.source, key,
+                   fmt::format("found '{}', expected millimeters, centimeters, meters or inches", unit));
+}
+
+Pose read_pose(const NumberTable& table, const std::string& prefix) {
+  const auto translation_of = [&](const std::string& key) {
+    const auto& t = table.require(key, 3);
+    return std::array{t[0], t[1], t[2]};
+  };
+  if (table.has(prefix + "RotationOfCamera2"))  // multiplies from the right
+    return {transposed(matrix_of(table, prefix + "RotationOfCamera2")),
+            translation_of(prefix + "TranslationOfCamera2")};
+  const std::string pose_key = prefix + "PoseCamera2";
+  if (table.has(pose_key + ".R")) return {matrix_of(table, pose_key + ".R"), translation_of(pose_key + ".Translation")};
+  return pose_of_rows(table.require(table.has(pose_key + ".A") ? pose_key + ".A" : pose_key, 16));
+}
+
+Calibration read_matlab(const NumberTable& table, const CalibrationRequest& request) {
+  const std::string prefix = prefix_of(table).value_or("");
+  const std::string left = prefix + "CameraParameters1.", right = prefix + "CameraParameters2.";
+  RawPair pair{{}, left + "IntrinsicMatrix", right + "IntrinsicMatrix", prefix + "RotationOfCamera2"};
+  pair.stereo.left = read_camera(table, left);
+  pair.stereo.right = read_camera(table, right);
+  set_pose(pair.stereo, scaled(read_pose(table, prefix), metres_per_unit(table, prefix)));
+  ImageSize of_file;
+  if (const std::string key = left + "ImageSize"; table.has(key) && !table.require(key).empty()) {
+    const auto rows_columns = size_of_list(table, key);
+    of_file = {rows_columns.height_px, rows_columns.width_px};
+  }
+  const auto size = known_size(of_file, request);
+  pair.stereo.width_px = size.width_px;
+  pair.stereo.height_px = size.height_px;
+  return calibration_from_raw(std::move(pair), request, table.source);
+}
+
+}  // namespace
+
+const CalibrationFormat kMatlab{"MATLAB stereoParameters", false, false,
+                                [](const NumberTable& table) { return prefix_of(table).has_value(); }, read_matlab};
+
+}  // namespace flies::detail

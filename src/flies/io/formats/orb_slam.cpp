@@ -1,0 +1,105 @@
+// Settings of ORB-SLAM2 and ORB-SLAM3: https://github.com/UZ-SLAMLab/ORB_SLAM3/blob/master/Calibration_Tutorial.pdf
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "flies/core/error.hpp"
+#include "flies/io/formats/raw_pair.hpp"
+
+namespace flies::detail {
+namespace {
+
+ImageSize size_of(const NumberTable& table) {
+  if (!table.has("Camera.width") && !table.has("Camera.height")) return {};
+  return {table.require_size("Camera.width"), table.require_size("Camera.height")};
+}
+
+/// @param prefix "Camera.", "Camera1." or "Camera2."
+RawCamera read_camera(const NumberTable& table, const std::string& prefix, Lens lens) {
+  const auto number = [&](const char* name) { return table.require_number(prefix + name); };
+  RawCamera raw{camera_matrix(number("fx"), number("fy"), number("cx"), number("cy")), {}, lens};
+  raw.distortion = lens == Lens::equidistant ? coefficients_of(table, prefix, {"k1", "k2", "k3", "k4"})
+                                             : coefficients_of(table, prefix, {"k1", "k2", "p1", "p2", "k3"});
+  return raw;
+}
+
+/// Images that are rectified already: one camera and a baseline.
+Calibration read_rectified(const NumberTable& table, const std::string& prefix) {
+  const RawCamera raw = read_camera(table, prefix, Lens::brown);
+  Calibration calibration;
+  auto& camera = calibration.camera;
+  camera.fx_px = raw.matrix[0];
+  camera.fy_px = raw.matrix[4];
+  camera.cx_px = camera.cx_right_px = raw.matrix[2];
+  camera.cy_px = raw.matrix[5];
+  if (table.has("Stereo.b")) {
+    camera.baseline_m = table.require_number("Stereo.b");
+  } else {
+    const double fx_baseline = table.require_number("Camera.bf");
+    if (camera.fx_px == 0.0) throw InputError(table.source, prefix + "fx", "found 0, expected a focal length");
+    camera.baseline_m = fx_baseline / camera.fx_px;
+  }
+  const auto size = size_of(table);
+  camera.width_px = size.width_px;
+  camera.height_px = size.height_px;
+  calibration.left_name = calibration.right_name = prefix + "fx";
+  if (std::any_of(raw.distortion.begin(), raw.distortion.end(), [](double d) { return d != 0.0; }))
+    calibration.notes.push_back(
+        "the images are taken as rectified because the file has a baseline and no pose of the right camera; its "
+        "coefficients of distortion are ignored");
+  return calibration;
+}
+
+/// ORB-SLAM2 of raw images: how each of them is rectified.
+RectifiedView read_view(const NumberTable& table, const std::string& side) {
+  RectifiedView view;
+  view.camera.matrix = matrix_of(table, side + ".K");
+  view.camera.distortion = table.require(side + ".D");
+  view.rotation = matrix_of(table, side + ".R");
+  view.projection = table.require(side + ".P", 12);
+  if (view.projection[0] == 0.0) throw InputError(table.source, side + ".P", "found a focal length of 0");
+  return view;
+}
+
+Calibration read_views(const NumberTable& table, const CalibrationRequest& request) {
+  const auto left = read_view(table, "LEFT"), right = read_view(table, "RIGHT");
+  RawPair pair{{}, "LEFT.K", "RIGHT.K", "LEFT.R, RIGHT.R"};
+  pair.stereo.left = left.camera;
+  pair.stereo.right = right.camera;
+  set_pose(pair.stereo, pose_of_views(left, right));
+  const ImageSize own = table.has("LEFT.width")
+                            ? ImageSize{table.require_size("LEFT.width"), table.require_size("LEFT.height")}
+                            : size_of(table);
+  const auto size = known_size(own, request);
+  pair.stereo.width_px = size.width_px;
+  pair.stereo.height_px = size.height_px;
+  return calibration_from_raw(std::move(pair), request, table.source);
+}
+
+Calibration read_orb_slam(const NumberTable& table, const CalibrationRequest& request) {
+  if (table.has("LEFT.K") || table.has("RIGHT.K")) return read_views(table, request);
+  const bool is_third = table.has("Camera1.fx");
+  const std::string left = is_third ? "Camera1." : "Camera.", type = table.word("Camera.type");
+  const std::string pose_key = table.has("Stereo.T_c1_c2") ? "Stereo.T_c1_c2" : "Tlr";
+  if (type == "rectified" || !table.has(pose_key)) return read_rectified(table, left);
+  const Lens lens = lens_of(type, "Camera.type", table.source);
+  RawPair pair{{}, left + "fx", "Camera2.fx", pose_key};
+  pair.stereo.left = read_camera(table, left, lens);
+  pair.stereo.right = read_camera(table, "Camera2.", lens);
+  const auto& rows = table.require(pose_key);
+  if (rows.size() != 12 && rows.size() != 16)
+    throw InputError(table.source, pose_key, fmt::format("found {} numbers, expected 12 or 16", rows.size()));
+  set_pose(pair.stereo, inverse(pose_of_rows(rows)));
+  const auto size = known_size(size_of(table), request);
+  pair.stereo.width_px = size.width_px;
+  pair.stereo.height_px = size.height_px;
+  return calibration_from_raw(std::move(pair), request, table.source);
+}
+
+}  // namespace
+
+const CalibrationFormat kOrbSlam{
+    "ORB-SLAM settings", false, false,
+    [](const NumberTable& table) { return table.has("Camera.fx") || table.has("Camera1.fx"); }, read_orb_slam};
+
+}  // namespace flies::detail

@@ -1,0 +1,187 @@
+#include "flies/io/formats/raw_pair.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+
+#include "flies/core/error.hpp"
+#include "flies/io/plausible.hpp"
+
+namespace flies::detail {
+namespace {
+
+struct NamedLens {
+  const char* name;
+  Lens lens;
+};
+
+/// As ROS, Kalibr, EuRoC, ORB-SLAM, Basalt and OpenCV's users write them.
+constexpr NamedLens kLenses[] = {{"", Lens::brown},
+                                 {"none", Lens::brown},
+                                 {"pinhole", Lens::brown},
+                                 {"perspective", Lens::brown},
+                                 {"plumb_bob", Lens::brown},
+                                 {"radtan", Lens::brown},
+                                 {"radial-tangential", Lens::brown},
+                                 {"rational_polynomial", Lens::brown},
+                                 {"thin_prism", Lens::brown},
+                                 {"brown", Lens::brown},
+                                 {"brown_conrady", Lens::brown},
+                                 {"pinhole-radtan8", Lens::brown},
+                                 {"equidistant", Lens::equidistant},
+                                 {"equi", Lens::equidistant},
+                                 {"fisheye", Lens::equidistant},
+                                 {"kb4", Lens::equidistant},
+                                 {"kannala_brandt", Lens::equidistant},
+                                 {"kannala-brandt", Lens::equidistant},
+                                 {"kannalabrandt", Lens::equidistant},
+                                 {"kannalabrandt4", Lens::equidistant},
+                                 {"kannalabrandt8", Lens::equidistant},
+                                 {"ds", Lens::double_sphere},
+                                 {"double_sphere", Lens::double_sphere},
+                                 {"eucm", Lens::unified},
+                                 {"ucm", Lens::unified},
+                                 {"omni", Lens::mei},
+                                 {"mei", Lens::mei},
+                                 {"fov", Lens::fov}};
+
+std::vector<std::size_t> allowed_counts(Lens lens) {
+  switch (lens) {
+    case Lens::equidistant:
+      return {4};
+    case Lens::double_sphere:
+    case Lens::unified:
+      return {2};
+    case Lens::mei:
+      return {1, 5};
+    case Lens::fov:
+      return {1};
+    case Lens::brown:
+      break;
+  }
+  return {4, 5, 8, 12, 14};
+}
+
+void check_distortion(const RawCamera& camera, const std::string& key, const std::string& source) {
+  const auto counts = allowed_counts(camera.lens);
+  if (std::find(counts.begin(), counts.end(), camera.distortion.size()) != counts.end()) return;
+  throw InputError(source, key,
+                   fmt::format("found {} coefficients of distortion, expected {} for the {} model",
+                               camera.distortion.size(), fmt::join(counts, " or "), lens_name(camera.lens)));
+}
+
+/// The camera matrix of images that were resized.
+void scale(RawCamera& camera, double by) {
+  auto& m = camera.matrix;
+  m[0] *= by;
+  m[1] *= by;
+  m[4] *= by;
+  m[2] = scaled_centre_px(m[2], by);
+  m[5] = scaled_centre_px(m[5], by);
+}
+
+void check(const RawPair& pair, const std::string& source) {
+  const RawCamera &left = pair.stereo.left, &right = pair.stereo.right;
+  check_camera_matrix(left.matrix, source, pair.left_key);
+  check_camera_matrix(right.matrix, source, pair.right_key);
+  check_rotation(pair.stereo.rotation, source, pair.pose_key);
+  check_distortion(left, pair.left_key, source);
+  check_distortion(right, pair.right_key, source);
+  if (left.lens != right.lens)
+    throw InputError(source, pair.right_key,
+                     fmt::format("found a lens of the {} model, and {} has the {} one, expected the same",
+                                 lens_name(right.lens), pair.left_key, lens_name(left.lens)));
+  if (pair.stereo.width_px == 0 || pair.stereo.height_px == 0)
+    throw InputError(source, "image_width, image_height", "are missing, and rectifying needs the size of the images");
+}
+
+}  // namespace
+
+Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request, const std::string& source) {
+  auto& raw = pair.stereo;
+  for (RawCamera* camera : {&raw.left, &raw.right})
+    if (camera->lens == Lens::brown && camera->distortion.empty()) camera->distortion.assign(5, 0.0);
+  check(pair, source);
+  Calibration calibration;
+  const auto by = one_scale(raw.width_px, raw.height_px, request.width_px, request.height_px);
+  if (by && (raw.width_px != request.width_px || raw.height_px != request.height_px)) {
+    calibration.notes.push_back(
+        fmt::format("the calibration is for {} x {} px, scaled by {:.4g} to the images of {} x {} px", raw.width_px,
+                    raw.height_px, *by, request.width_px, request.height_px));
+    scale(raw.left, *by);
+    scale(raw.right, *by);
+    raw.width_px = request.width_px;
+    raw.height_px = request.height_px;
+  }
+  calibration.rectifier.emplace(raw, source);
+  calibration.camera = calibration.rectifier->camera();
+  calibration.left_name = pair.left_key;
+  calibration.right_name = pair.right_key;
+  calibration.notes.push_back(
+      fmt::format("the images are taken as raw and rectified first, with the {} model", lens_name(raw.left.lens)));
+  return calibration;
+}
+
+void set_pose(RawStereo& stereo, const Pose& right_from_left) {
+  stereo.rotation = right_from_left.rotation;
+  stereo.translation_m = right_from_left.translation;
+}
+
+std::array<double, 9> camera_matrix(double fx_px, double fy_px, double cx_px, double cy_px) {
+  return {fx_px, 0.0, cx_px, 0.0, fy_px, cy_px, 0.0, 0.0, 1.0};
+}
+
+std::array<double, 9> matrix_of(const NumberTable& table, const std::string& key) {
+  std::array<double, 9> values{};
+  std::copy_n(table.require(key, values.size()).begin(), values.size(), values.begin());
+  return values;
+}
+
+std::vector<double> coefficients_of(const NumberTable& table, const std::string& prefix,
+                                    std::initializer_list<const char*> names) {
+  std::vector<double> values, padding;
+  for (const char* name : names) {
+    padding.push_back(table.has(prefix + name) ? table.require_number(prefix + name) : 0.0);
+    if (table.has(prefix + name)) values = padding;
+  }
+  return values;
+}
+
+Lens lens_of(const std::string& word, const std::string& key, const std::string& source) {
+  const auto* found =
+      std::find_if(std::begin(kLenses), std::end(kLenses), [&](const NamedLens& lens) { return word == lens.name; });
+  if (found != std::end(kLenses)) return found->lens;
+  throw InputError(source, key,
+                   fmt::format("found '{}', expected plumb_bob, radtan, rational_polynomial, equidistant, fisheye, ds, "
+                               "eucm, omni or fov",
+                               word));
+}
+
+ImageSize size_of_list(const NumberTable& table, const std::string& key) {
+  const auto& size = table.require(key, 2);
+  const auto pixels = [&](double number) {
+    NumberTable one{table.source, {}};
+    one.entries[key].numbers = {number};
+    return one.require_size(key);
+  };
+  return {pixels(size[0]), pixels(size[1])};
+}
+
+ImageSize known_size(ImageSize of_file, const CalibrationRequest& request) {
+  if (of_file.width_px > 0) return of_file;
+  if (request.calibrated_width_px > 0) return {request.calibrated_width_px, request.calibrated_height_px};
+  return {request.width_px, request.height_px};
+}
+
+Pose pose_of_views(const RectifiedView& left, const RectifiedView& right) {
+  // Both rectified frames have the same axes; the right one stands at -P[3] / fx.
+  Pose rectified;
+  rectified.translation = {right.projection[3] / right.projection[0] - left.projection[3] / left.projection[0], 0.0,
+                           0.0};
+  const Pose right_from_rectified{transposed(right.rotation), {}}, rectified_from_left{left.rotation, {}};
+  return chained(right_from_rectified, chained(rectified, rectified_from_left));
+}
+
+}  // namespace flies::detail

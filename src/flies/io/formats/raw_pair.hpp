@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+
+#include "flies/io/calibration_formats.hpp"
+#include "flies/io/formats/pose.hpp"
+#include "flies/io/rectifier.hpp"
+
+namespace flies::detail {
+
+/// Two raw cameras and the keys that they were read from, which name them in errors and notes.
+struct RawPair {
+  RawStereo stereo;
+  std::string left_key, right_key;  ///< "cam0", "M1", ...
+  std::string pose_key;             ///< "T_cn_cnm1", "R", ...
+};
+
+/// The camera that sees the rectified images, and what rectifies them; scaled to the images that are asked for.
+/// @throws InputError when matrix, distortion or pose cannot be, when the lenses differ, or when no size is known
+Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request, const std::string& source);
+
+/// Sets rotation and translation of the right camera.
+void set_pose(RawStereo& stereo, const Pose& right_from_left);
+
+/// fx, fy, cx, cy as a camera matrix.
+std::array<double, 9> camera_matrix(double fx_px, double fy_px, double cx_px, double cy_px);
+
+/// 3 x 3 numbers of a key.
+std::array<double, 9> matrix_of(const NumberTable& table, const std::string& key);
+
+/// Coefficients that files write one a key: `prefix` + "k1", ...; missing ones at the end are left out, others are 0.
+std::vector<double> coefficients_of(const NumberTable& table, const std::string& prefix,
+                                    std::initializer_list<const char*> names);
+
+/// The lens that a word names: "radtan", "plumb_bob", "equidistant", "kannalabrandt8", "ds", ...
+/// @param key where the word stands
+/// @throws InputError when no model has that name
+Lens lens_of(const std::string& word, const std::string& key, const std::string& source);
+
+/// The size in `width` and `height`, or nothing, 0 x 0, when the file has neither.
+struct ImageSize {
+  int width_px = 0, height_px = 0;
+};
+ImageSize size_of_list(const NumberTable& table, const std::string& key);  ///< of a list: width, height
+/// The size of the file, else the one that the user gave for it, else that of the images.
+ImageSize known_size(ImageSize of_file, const CalibrationRequest& request);
+
+/// What ROS and ORB-SLAM write of a raw camera: how it is rectified.
+struct RectifiedView {
+  RawCamera camera;
+  std::array<double, 9> rotation{};  ///< rectified from raw
+  std::vector<double> projection;    ///< 3 x 4
+};
+/// right_from_left of two cameras that were rectified so.
+Pose pose_of_views(const RectifiedView& left, const RectifiedView& right);
+
+}  // namespace flies::detail

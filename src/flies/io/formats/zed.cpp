@@ -1,0 +1,93 @@
+// SN*.conf of the ZED cameras: https://www.stereolabs.com/docs/opencv/calibration; lengths in millimetres.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "flies/core/error.hpp"
+#include "flies/io/formats/raw_pair.hpp"
+#include "flies/io/plausible.hpp"
+
+namespace flies::detail {
+namespace {
+
+constexpr double kMetresPerMillimetre = 1e-3;
+
+struct Mode {
+  const char* name;
+  int width_px, height_px;
+};
+/// Those that are used most first.
+constexpr Mode kModes[] = {{"HD", 1280, 720},  {"FHD", 1920, 1080}, {"FHD1200", 1920, 1200},
+                           {"2K", 2208, 1242}, {"SVGA", 960, 600},  {"VGA", 672, 376},
+                           {"4k", 3840, 2160}, {"4K", 3840, 2160},  {"QHDPLUS", 3200, 1800}};
+
+bool has_mode(const NumberTable& table, const Mode& mode) {
+  return table.has(fmt::format("LEFT_CAM_{}.fx", mode.name));
+}
+
+/// The mode of images of this size, or one that they were resized from; the first of the file when no size is asked
+/// for.
+const Mode& mode_of(const NumberTable& table, const CalibrationRequest& request) {
+  const Mode* like = nullptr;
+  std::string known;
+  for (const Mode& mode : kModes) {
+    if (!has_mode(table, mode)) continue;
+    if (request.width_px == 0 || (mode.width_px == request.width_px && mode.height_px == request.height_px))
+      return mode;
+    if (like == nullptr && one_scale(mode.width_px, mode.height_px, request.width_px, request.height_px)) like = &mode;
+    known += fmt::format("{}{} x {}", known.empty() ? "" : ", ", mode.width_px, mode.height_px);
+  }
+  if (like != nullptr) return *like;
+  throw InputError(table.source, "image size",
+                   fmt::format("{} x {} px is none of the modes of this file: {}", request.width_px, request.height_px,
+                               known.empty() ? "none known" : known));
+}
+
+RawCamera read_camera(const NumberTable& table, const std::string& side, const Mode& mode) {
+  const std::string section = fmt::format("{}_CAM_{}.", side, mode.name);
+  const auto number = [&](const char* name) { return table.require_number(section + name); };
+  RawCamera raw;
+  raw.matrix = camera_matrix(number("fx"), number("fy"), number("cx"), number("cy"));
+  const std::string shared = side + "_DISTO.", from = table.has(shared + "k1") ? shared : section;
+  // Lenses with k4 and without tangential coefficients are fisheyes.
+  const bool is_fisheye = table.has(from + "k4") && !table.has(from + "p1");
+  raw.lens = is_fisheye ? Lens::equidistant : Lens::brown;
+  raw.distortion = is_fisheye ? coefficients_of(table, from, {"k1", "k2", "k3", "k4"})
+                              : coefficients_of(table, from, {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"});
+  constexpr std::size_t kRational = 8;
+  if (!is_fisheye && raw.distortion.size() > 5) raw.distortion.resize(kRational, 0.0);
+  return raw;
+}
+
+/// Rodrigues' formula.
+std::array<double, 9> rotation_of(const std::array<double, 3>& axis_angle) {
+  const double angle = std::hypot(axis_angle[0], axis_angle[1], axis_angle[2]);
+  if (angle == 0.0) return Pose{}.rotation;
+  const double x = axis_angle[0] / angle, y = axis_angle[1] / angle, z = axis_angle[2] / angle;
+  const double c = std::cos(angle), s = std::sin(angle), d = 1.0 - c;
+  return {c + x * x * d,     x * y * d - z * s, x * z * d + y * s, y * x * d + z * s, c + y * y * d,
+          y * z * d - x * s, z * x * d - y * s, z * y * d + x * s, c + z * z * d};
+}
+
+Calibration read_zed(const NumberTable& table, const CalibrationRequest& request) {
+  const Mode& mode = mode_of(table, request);
+  RawPair pair{{mode.width_px, mode.height_px, read_camera(table, "LEFT", mode), read_camera(table, "RIGHT", mode)},
+               fmt::format("LEFT_CAM_{}", mode.name),
+               fmt::format("RIGHT_CAM_{}", mode.name),
+               "STEREO"};
+  const auto stereo = [&](const std::string& name) { return table.require_number("STEREO." + name); };
+  const auto stereo_or_0 = [&](const std::string& name) { return table.has("STEREO." + name) ? stereo(name) : 0.0; };
+  const auto turn = [&](const char* axis) { return stereo(fmt::format("{}_{}", axis, mode.name)); };
+  Pose right_from_left{rotation_of({turn("RX"), turn("CV"), turn("RZ")}),
+                       {-stereo("Baseline"), stereo_or_0("TY"), stereo_or_0("TZ")}};
+  set_pose(pair.stereo, scaled(right_from_left, kMetresPerMillimetre));
+  return calibration_from_raw(std::move(pair), request, table.source);
+}
+
+}  // namespace
+
+const CalibrationFormat kZed{"ZED SN.conf", false, false,
+                             [](const NumberTable& table) { return table.has("STEREO.Baseline"); }, read_zed};
+
+}  // namespace flies::detail

@@ -1,0 +1,174 @@
+#include "flies/io/number_lines.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <limits>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "flies/core/error.hpp"
+
+namespace flies::detail {
+namespace {
+
+std::optional<double> parse_number(std::string_view word) {
+  if (word == ".nan" || word == ".NaN" || word == ".NAN") return std::numeric_limits<double>::quiet_NaN();
+  if (word == ".inf" || word == "-.inf") return std::numeric_limits<double>::infinity();
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+std::string trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return "";
+  return std::string(text.substr(first, text.find_last_not_of(" \t") + 1 - first));
+}
+
+/// The lines without comments and without blanks at their ends; empty ones are left out.
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    const std::string content = trimmed(std::string_view(line).substr(0, line.find('#')));
+    const bool is_remark = content.starts_with(';') || content.starts_with('%') || content.starts_with("//");
+    if (!content.empty() && !is_remark) lines.push_back(content);
+  }
+  return lines;
+}
+
+/// @returns the numbers of a line that holds nothing else
+std::optional<std::vector<double>> bare_numbers(const std::string& line) {
+  NumberEntry row;
+  append_words(row, line);
+  if (!row.not_a_number.empty() || row.numbers.empty()) return std::nullopt;
+  return row.numbers;
+}
+
+/// The name in a line such as "[LEFT_CAM_HD]".
+std::optional<std::string> section_name(const std::string& line) {
+  if (line.size() < 3 || line.front() != '[' || line.back() != ']') return std::nullopt;
+  const std::string name = line.substr(1, line.size() - 2);
+  const auto is_of_a_name = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == ' '; };
+  if (!std::isalpha(static_cast<unsigned char>(name[0])) || !std::all_of(name.begin(), name.end(), is_of_a_name))
+    return std::nullopt;
+  return name;
+}
+
+/// One `key<separator>numbers` a line; rows of a matrix may go on below their key, keys stand below their section.
+void parse_keyed_lines(const std::vector<std::string>& lines, char separator, NumberTable& table) {
+  NumberEntry* last = nullptr;
+  std::string section;
+  for (const auto& line : lines) {
+    if (const auto name = section_name(line)) {
+      section = *name + ".";
+      last = nullptr;
+      continue;
+    }
+    const auto at = line.find(separator);
+    if (at == std::string::npos) {
+      const auto rest = bare_numbers(line);
+      if (last != nullptr && rest) last->numbers.insert(last->numbers.end(), rest->begin(), rest->end());
+      continue;
+    }
+    const std::string name = trimmed(std::string_view(line).substr(0, at));
+    if (name.empty()) continue;
+    const std::string key = section + name;
+    if (table.has(key)) throw InputError(table.source, key, "stands in the file twice");
+    last = &table.entries[key];
+    append_words(*last, line.substr(at + 1));
+  }
+}
+
+/// Whether some line reads `cam0=` or `cam1=`.
+bool is_middlebury(const std::vector<std::string>& lines) {
+  return std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
+    const auto at = line.find('=');
+    const std::string key = at == std::string::npos ? "" : trimmed(std::string_view(line).substr(0, at));
+    return key == "cam0" || key == "cam1";
+  });
+}
+
+/// Whether some line reads `P0: number number` or `P_rect_00: number number`, or has the numbers below it: a bare row
+/// of numbers is no YAML idiom.
+bool is_kitti(const std::vector<std::string>& lines) {
+  bool follows_bare_key = false;
+  for (const auto& line : lines) {
+    const bool has_bracket = line.find('[') != std::string::npos;
+    const auto is_row = [&](const std::string& text) {
+      const auto numbers = bare_numbers(text);
+      return !has_bracket && numbers && numbers->size() > 1;
+    };
+    if (std::exchange(follows_bare_key, false) && is_row(line)) return true;
+    std::string_view rest = line;
+    if (!rest.starts_with('P')) continue;
+    rest.remove_prefix(rest.starts_with("P_rect_") ? 7 : 1);
+    const auto colon = rest.find_first_not_of("0123456789");
+    if (colon == 0 || colon == std::string_view::npos || rest[colon] != ':') continue;
+    const std::string numbers(rest.substr(colon + 1));
+    if (is_row(numbers)) return true;
+    follows_bare_key = trimmed(numbers).empty();
+  }
+  return false;
+}
+
+bool has_sections(const std::vector<std::string>& lines) {
+  return std::any_of(lines.begin(), lines.end(), [](const std::string& line) { return section_name(line); }) &&
+         std::any_of(lines.begin(), lines.end(),
+                     [](const std::string& line) { return line.find('=') != std::string::npos; });
+}
+
+/// Rows of 12 are the projection matrices of KITTI's odometry, without their names; others are kept as one list.
+bool parse_bare_rows(const std::vector<std::string>& lines, NumberTable& table) {
+  std::vector<std::vector<double>> rows;
+  for (const auto& line : lines) {
+    auto row = bare_numbers(line);
+    if (!row) return false;
+    rows.push_back(std::move(*row));
+  }
+  constexpr std::size_t kMostCameras = 4;
+  if (rows.size() >= 2 && rows.size() <= kMostCameras + 1 &&
+      std::all_of(rows.begin(), rows.end(), [](const auto& row) { return row.size() == 12; })) {
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      table.entries[i < kMostCameras ? fmt::format("P{}", i) : "Tr"].numbers = rows[i];
+    return true;
+  }
+  auto& all = table.entries[kBareNumbers].numbers;
+  for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
+  return true;
+}
+
+}  // namespace
+
+void append_words(NumberEntry& entry, std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '[' || c == ']' || c == ';' || c == ','; }, ' ');
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (const auto number = parse_number(word))
+      entry.numbers.push_back(*number);
+    else if (entry.not_a_number.empty())
+      entry.not_a_number = word;
+  }
+}
+
+bool parse_lines_of_numbers(const std::string& text, NumberTable& table) {
+  const auto lines = lines_of(text);
+  if (is_middlebury(lines) || has_sections(lines)) {
+    parse_keyed_lines(lines, '=', table);
+    return true;
+  }
+  if (is_kitti(lines)) {
+    parse_keyed_lines(lines, ':', table);
+    return true;
+  }
+  return parse_bare_rows(lines, table);
+}
+
+}  // namespace flies::detail

@@ -1,0 +1,92 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "run_flies.hpp"
+#include "street_pair.hpp"
+
+namespace flies::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using Words = std::vector<std::string>;
+
+/// The street's camera as one whose images are raw: the same numbers in Kalibr's words.
+constexpr const char* kKalibr =
+    "cam0:\n  camera_model: pinhole\n  intrinsics: [300, 300, 160, 110]\n  distortion_model: radtan\n"
+    "  distortion_coeffs: [0, 0, 0, 0]\n  resolution: [320, 240]\n"
+    "cam1:\n  T_cn_cnm1: [[1, 0, 0, -0.5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n  camera_model: pinhole\n"
+    "  intrinsics: [300, 300, 160, 110]\n  distortion_model: radtan\n  distortion_coeffs: [0, 0, 0, 0]\n"
+    "  resolution: [320, 240]\n";
+
+struct Calib : ::testing::Test {
+  Calib() { write_text(folder.path() / "camchain.yaml", kKalibr); }
+  RunResult calib(const Words& more) const {
+    Words words = {"calib"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_flies(folder.path(), words);
+  }
+  TestFolder folder;
+};
+
+TEST_F(Calib, WritesRosAsTwoFilesThatReadTheSame) {
+  const RunResult written = calib({"camchain.yaml", "--write", "ros", "--output", "left.yaml"});
+  EXPECT_EQ(written.status, 0) << written.err;
+  EXPECT_THAT(written.err, HasSubstr("--raw"));
+  EXPECT_THAT(folder.listing(), ElementsAre("camchain.yaml", "left.yaml", "right.yaml"));
+  const RunResult back = calib({"left.yaml", "--raw"});
+  EXPECT_THAT(back.out, AllOf(HasSubstr("raw, rectified first"), HasSubstr("baseline                0.5000 m")));
+}
+
+TEST_F(Calib, WritesOpenCvToStandardOutput) {
+  const RunResult written = calib({"camchain.yaml", "--write", "opencv"});
+  EXPECT_EQ(written.status, 0) << written.err;
+  EXPECT_THAT(written.out, HasSubstr("T: !!opencv-matrix"));
+  write_text(folder.path() / "stereo.yml", written.out);
+  EXPECT_THAT(calib({"stereo.yml"}).out, HasSubstr("baseline                0.5000 m"));
+}
+
+TEST_F(Calib, RefusesConversionsThatCannotBeAndLeavesNothing) {
+  const auto refused = [&](const Words& words, const std::string& part) {
+    const RunResult result = calib(words);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(lines(result.err).size(), 1U);
+    EXPECT_THAT(result.err, HasSubstr(part));
+    EXPECT_THAT(folder.listing(), ElementsAre("camchain.yaml"));
+  };
+  refused({"camchain.yaml", "--write", "kitti", "--output", "k.txt"}, "raw images");
+  refused({"camchain.yaml", "--write", "kity"}, "did you mean 'kitti'?");
+  refused({"camchain.yaml", "--write", "ros", "--output", "a.yaml"}, "no 'left' in it");
+  refused({"camchain.yaml", "--write", "ros"}, "--output left.yaml");
+  refused({"camchain.yaml", "--output", "a.yaml"}, "--write");
+}
+
+TEST_F(Calib, DetectRectifiesRawImagesAndFindsTheBox) {
+  write_street(folder.path());
+  const RunResult result = run_flies(folder.path(), {"detect", "left.png", "right.png", "--calib", "camchain.yaml",
+                                                     "--camera-height", "1.65", "--camera-pitch", "0", "--json", "-"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("rectified first"));
+  bool is_found = false;
+  const auto record = nlohmann::json::parse(result.out);
+  for (const auto& obstacle : record.at("obstacles"))
+    is_found |= std::abs(obstacle.at("x_m").get<double>() - kBoxX_m) < 0.5 &&
+                std::abs(obstacle.at("y_m").get<double>() - kBoxY_m) < 0.7;
+  EXPECT_TRUE(is_found);
+}
+
+TEST_F(Calib, RefusesRawImagesOfAFileThatIsOfRectifiedOnes) {
+  write_street(folder.path());
+  const RunResult raw = run_flies(folder.path(), {"detect", "left.png", "right.png", "--calib", "calib.txt", "--raw"});
+  EXPECT_EQ(raw.status, 2);
+  EXPECT_THAT(raw.err, HasSubstr("raw images"));
+}
+
+}  // namespace
+}  // namespace flies::testing
