@@ -7,7 +7,8 @@ namespace flies {
 namespace {
 
 TEST(PresetClassifier, IsTheLinearMachineForThePaper) {
-  EXPECT_EQ(preset_classifier(Preset::paper)->name(), "flies-48x96-linear");
+  EXPECT_FALSE(preset_classifier(Preset::paper)->looks_twice());
+  EXPECT_TRUE(preset_classifier(Preset::standard)->looks_twice());
   EXPECT_EQ(preset_classifier(Preset::standard), default_people_classifier());
 }
 
