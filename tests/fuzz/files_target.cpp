@@ -13,7 +13,8 @@
 #include "flies/eval/unlabelled.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/time_stamps.hpp"
-#include "flies/record/mcap_reader.hpp"
+#include "flies/record/ros_bytes.hpp"
+#include "flies/record/ros_message.hpp"
 #include "flies/train/checkpoint.hpp"
 #include "tests/fuzz/target.hpp"
 
@@ -64,8 +65,19 @@ void read_calibrations(const std::string& file) {
 }
 
 void read_recording(const std::string& file) {
-  flies::McapReader reader(file);
-  while (const auto message = reader.next()) reader.at(message->place);
+  const auto reader = flies::open_recording(file);
+  while (const auto message = reader->next()) {
+    reader->at(message->place);
+    try {
+      flies::ros_stamp_ns(*message, file);
+      flies::ros_picture(*message, file);
+    } catch (const flies::InputError&) {
+    }
+    try {
+      flies::ros_camera_info(*message, file);
+    } catch (const flies::InputError&) {
+    }
+  }
 }
 
 struct Reader {
@@ -109,6 +121,16 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   return 0;
 }
 
+/// A picture and a camera's calibration as ROS 1 records them.
+std::string bag() {
+  using flies::testing::BagBytes;
+  const std::string records = BagBytes::connection(0, "/left/image_raw", "sensor_msgs/Image") +
+                              BagBytes::connection(1, "/left/camera_info", "sensor_msgs/CameraInfo") +
+                              BagBytes::message({0, 1, flies::testing::ros_image(false, 1, 2, 2, "mono8", 2, "abcd")}) +
+                              BagBytes::message({1, 1, flies::testing::ros_camera_info(false, 64, 48, 50, -5)});
+  return BagBytes::start() + BagBytes::chunk("none", records, records.size());
+}
+
 std::vector<std::string> fuzz_seeds() {
   const auto seed = [](char reader, const std::string& text) { return std::string(1, reader) + text; };
   std::string points;
@@ -137,6 +159,7 @@ std::vector<std::string> fuzz_seeds() {
           seed(6, points),
           seed(7, motion),
           seed(8, std::string("\x89MCAP0\r\n", 8) + std::string("\x01\x08\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0", 17)),
+          seed(8, bag()),
           seed(9, "input_width_px: 4\ninput_height_px: 8\n"),
           seed(10, "000000 10 20 30 40\n")};
 }
