@@ -75,7 +75,7 @@ endfunction()
 flies_package(library libs "This package contains the shared libraries." "")
 flies_package(program science "This package contains the program flies." "libflies${abi} ${same}")
 flies_package(development libdevel "This package contains what C++ programs are built with."
-  "libflies${abi} ${same}, libfmt-dev, libtbb-dev, libhwy-dev")
+  "libflies${abi} ${same}")
 flies_package(python python "This package contains the module flies for Python 3."
   "libflies${abi} ${same}, python3, python3-numpy")
 flies_package(documentation doc "This package contains the documentation and examples." "")
