@@ -52,7 +52,7 @@ set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_PACKAGE_VENDOR "The flies authors")
-set(CPACK_PACKAGE_CONTACT "The flies authors <flies@localhost>")
+set(CPACK_PACKAGE_CONTACT "The flies authors <flies@example.org>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
@@ -60,32 +60,28 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/src/flies)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 
-set(about " Stereo vision without a dense disparity map: thousands of 3-D points, the flies,
- evolve towards visible surfaces and are condensed into obstacles in metres;
- a classifier tells which of them are pedestrians.")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "obstacles and pedestrians from a stereo camera")
+set(about "Stereo vision without a dense disparity map: thousands of 3-D points,
+the flies, evolve towards visible surfaces and are condensed into
+obstacles in metres; a classifier tells which of them are pedestrians.")
 set(same "(= ${PROJECT_VERSION})")
-function(flies_package component section summary text depends)
+function(flies_package component section text depends)
   string(TOUPPER ${component} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${FLIES_DEB_${component}} PARENT_SCOPE)
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section} PARENT_SCOPE)
-  set(CPACK_COMPONENT_${upper}_DESCRIPTION "${summary}\n${about}\n .\n ${text}" PARENT_SCOPE)
-  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${about}\n .\n ${text}" PARENT_SCOPE)
+  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${about}\n\n${text}" PARENT_SCOPE)
   set(CPACK_DEBIAN_${upper}_PACKAGE_DEPENDS "${depends}" PARENT_SCOPE)
 endfunction()
-flies_package(library libs "obstacles and pedestrians from a stereo camera, shared libraries"
-  "This package contains the shared libraries." "")
-flies_package(program science "obstacles and pedestrians from a stereo camera"
-  "This package contains the program flies." "libflies${abi} ${same}")
-flies_package(development libdevel "obstacles and pedestrians from a stereo camera, headers"
-  "This package contains what C++ programs are built with."
+flies_package(library libs "This package contains the shared libraries." "")
+flies_package(program science "This package contains the program flies." "libflies${abi} ${same}")
+flies_package(development libdevel "This package contains what C++ programs are built with."
   "libflies${abi} ${same}, libfmt-dev, libtbb-dev, libhwy-dev")
-flies_package(python python "obstacles and pedestrians from a stereo camera, for Python"
-  "This package contains the module flies for Python 3." "libflies${abi} ${same}, python3, python3-numpy")
-flies_package(documentation doc "obstacles and pedestrians from a stereo camera, documentation"
-  "This package contains the documentation and examples." "")
+flies_package(python python "This package contains the module flies for Python 3."
+  "libflies${abi} ${same}, python3, python3-numpy")
+flies_package(documentation doc "This package contains the documentation and examples." "")
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_ARCHITECTURE all)
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/triggers)
 include(CPack)

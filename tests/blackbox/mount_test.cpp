@@ -54,8 +54,8 @@ TEST_P(BlackBoxMount, StaysWhereItIsRight) {
 
 INSTANTIATE_TEST_SUITE_P(Folders, BlackBoxMount,
                          ::testing::Values(Case{"kitti_raw/2011_09_26/2011_09_26_drive_0005_sync", 1.65},
-                                         Case{"kitti_object/training", 1.65}, Case{"kitti_stereo2012", 1.65},
-                                         Case{"eth_bahnhof/rectified", 0.98}));
+                                           Case{"kitti_object/training", 1.65}, Case{"kitti_stereo2012", 1.65},
+                                           Case{"eth_bahnhof/rectified", 0.98}));
 
 }  // namespace
 }  // namespace flies::blackbox
