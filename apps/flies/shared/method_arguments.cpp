@@ -57,7 +57,9 @@ std::shared_ptr<const flies::RunRecord> run_record(const MethodArguments& argume
   const auto preset = flies::list_options(flies::preset_options(flies::preset_named(arguments.preset, "command line")));
   const auto used = flies::list_options(options);
   for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i].value != preset[i].value) run->options.emplace_back(used[i].path, used[i].value);
+    if (used[i].value != preset[i].value && used[i].path != "seed" &&
+        used[i].path != "threads")  // told beside; no effect
+      run->options.emplace_back(used[i].path, used[i].value);
   return run;
 }
 
