@@ -84,6 +84,7 @@ void setup(CLI::App& app) {
   setup_live(app);
   setup_check(app);
   setup_calib(app);
+  setup_calibrate(app);
   setup_synth(app);
   setup_evaluate(app);
   setup_evaluate_classifier(app);

@@ -76,6 +76,13 @@ bool is_folder(const std::string& path) {
 
 }  // namespace
 
+std::vector<PairPaths> find_joined_pairs(const std::string& path) {
+  if (!is_folder(path)) return {{path, path}};
+  std::vector<PairPaths> pairs;
+  for (const auto& image : images_of(path)) pairs.push_back({image, image});
+  return pairs;
+}
+
 std::vector<PairPaths> find_pairs(const std::string& left, const std::string& right) {
   const bool left_is_folder = is_folder(left);
   if (left_is_folder != is_folder(right))
