@@ -3,6 +3,7 @@
 #include <exception>
 
 #include "flies/core/error.hpp"
+#include "flies/version.hpp"
 
 namespace py = pybind11;
 

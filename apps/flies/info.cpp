@@ -1,4 +1,3 @@
-#include <embree3/rtcore_config.h>
 #include <fmt/format.h>
 #include <oneapi/tbb/version.h>
 
@@ -12,9 +11,15 @@
 #include <thread>
 #include <vector>
 
+#ifdef FLIES_HAS_SYNTH
+#include <embree3/rtcore_config.h>
+#endif
+
+#include "flies/classify/named_models.hpp"
 #include "flies/core/options.hpp"
 #include "flies/fitness/fitness.hpp"
 #include "flies/pipeline/detector.hpp"
+#include "flies/version.hpp"
 #include "shared/commands.hpp"
 #include "shared/standard_output.hpp"
 
@@ -56,7 +61,9 @@ void run_info() {
   line("compiler", FLIES_COMPILER);
   line("opencv", CV_VERSION);
   line("tbb", TBB_runtime_version());
+#ifdef FLIES_HAS_SYNTH
   line("embree", RTC_VERSION_STRING);
+#endif
   line("fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100));
   line("nlohmann-json",
        fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH));

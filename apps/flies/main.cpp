@@ -1,17 +1,22 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
+#include "flies/version.hpp"
 #include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/end_on_signal.hpp"
 #include "shared/exit_status.hpp"
+#include "shared/notes.hpp"
 #include "shared/standard_output.hpp"
 
 namespace {
@@ -85,14 +90,26 @@ void setup(CLI::App& app) {
   setup_check(app);
   setup_calib(app);
   setup_calibrate(app);
+#ifdef FLIES_HAS_SYNTH
   setup_synth(app);
+#endif
   setup_evaluate(app);
   setup_evaluate_classifier(app);
+#ifdef FLIES_HAS_TRAINER
   setup_train(app);
+#endif
+#ifdef FLIES_HAS_SYNTH
   setup_reproduce(app);
   setup_bench(app);
+#endif
   setup_config(app);
   setup_info(app);
+  setup_completion(app);
+  constexpr std::array<std::string_view, 10> kTalking = {"detect",    "track",    "live",     "check",
+                                                         "calibrate", "synth",    "evaluate", "evaluate-classifier",
+                                                         "train",     "reproduce"};
+  for (CLI::App* command : app.get_subcommands({}))
+    if (std::ranges::find(kTalking, command->get_name()) != kTalking.end()) add_verbosity_options(*command);
   wrap_help(app);
   refuse_options_as_values(app);
 }

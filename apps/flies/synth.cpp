@@ -147,7 +147,7 @@ void run_synth(const SynthArguments& arguments) {
                       arguments.force);
   std::size_t obstacles = 0, people = 0;
   {
-    const ProgressBar progress(static_cast<std::size_t>(frames));
+    ProgressBar progress(static_cast<std::size_t>(frames));
     tbb::task_arena arena(arguments.threads > 0 ? arguments.threads : tbb::task_arena::automatic);
     for (int frame = 0; frame < frames; ++frame) {
       const flies::RenderedPair pair = arena.execute([&] { return scenes.render(frame, camera); });

@@ -18,6 +18,7 @@
 #include "flies/core/options.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/train/training_report.hpp"
+#include "flies/version.hpp"
 #include "shared/commands.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/standard_output.hpp"

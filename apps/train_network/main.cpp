@@ -17,6 +17,7 @@
 #include "flies/classify/convolution.hpp"
 #include "flies/classify/hog.hpp"
 #include "flies/classify/model_file.hpp"
+#include "flies/classify/named_models.hpp"
 #include "flies/classify/people_classifier.hpp"
 #include "flies/core/error.hpp"
 #include "flies/train/calibrate.hpp"

@@ -37,7 +37,7 @@ bool is_whole(const ImageBox& box, const GrayImage& image) {
 
 /// KITTI text with unknown occlusion as -1.
 void read_labels(const fs::path& file, Picture& picture) {
-  std::istringstream stream{detail::read_file(file.string())};
+  std::istringstream stream{detail::read_truth(file.string())};
   for (std::string line; std::getline(stream, line);) {
     std::istringstream words{line};
     std::string type;

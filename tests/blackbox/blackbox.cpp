@@ -12,12 +12,6 @@
 namespace flies::blackbox {
 namespace {
 
-std::filesystem::path data_folder() {
-  if (const char* folder = std::getenv("FLIES_TEST_DATA")) return folder;
-  if (const char* source = std::getenv("FLIES_SOURCE_DIR")) return std::filesystem::path(source) / "../shared/data";
-  return "../shared/data";
-}
-
 std::string percent(std::optional<double> value) { return value ? fmt::format("{:+.1f} %", 100.0 * *value) : "-"; }
 std::string percent(const Rate& rate) {
   return rate.total > 0 ? fmt::format("{:.1f} % ({}/{})", 100.0 * *rate.value(), rate.hits, rate.total) : "-";
@@ -31,17 +25,6 @@ std::optional<double> median(std::vector<double> values) {
 }
 
 }  // namespace
-
-std::optional<std::filesystem::path> find_data(const std::string& sub_folder) {
-  const auto folder = data_folder() / sub_folder;
-  if (!std::filesystem::is_directory(folder)) return std::nullopt;
-  return std::filesystem::canonical(folder);
-}
-
-std::string absence(const std::string& sub_folder) {
-  return fmt::format("The data folder {} is absent; set FLIES_TEST_DATA to the folder that holds {}.",
-                     (data_folder() / sub_folder).string(), sub_folder);
-}
 
 ScoredFrame detect_and_score(Detector& detector, const std::filesystem::path& left, const std::filesystem::path& right,
                              FrameTruth truth, const MatchOptions& options) {

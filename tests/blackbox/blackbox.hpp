@@ -9,16 +9,14 @@
 #include "flies/eval/measures.hpp"
 #include "flies/eval/score.hpp"
 #include "flies/eval/truth.hpp"
+#include "flies/io/test_data.hpp"
 #include "flies/pipeline/detector.hpp"
 
 /// What the tests on real pairs share: where the data is, running the detector, the score table.
 namespace flies::blackbox {
 
-/// `FLIES_TEST_DATA`, otherwise `../shared/data` beside the source folder; nothing when that has no such sub-folder.
-std::optional<std::filesystem::path> find_data(const std::string& sub_folder);
-
-/// The sentence to skip with.
-std::string absence(const std::string& sub_folder);
+using testing::absence;
+using testing::find_data;
 
 /// What was reported for one frame, and its verdicts.
 struct ScoredFrame {

@@ -105,6 +105,7 @@ TEST_F(Calibrate, RefusesWhatCannotBe) {
   refused(with({"--lens", "wide"}), "expected pinhole");
   refused(with({"--split", "diagonal"}), "none, side or top");
   refused(with({"--kind", "charuco", "--marker", "0.02", "--dictionary", "4x4_60"}), "did you mean '4x4_50'?");
+  refused(with({"--kind", "charuco", "--marker", "0.02"}), "charuco");  // none there, or no way to find one
 }
 
 }  // namespace

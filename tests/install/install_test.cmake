@@ -1,20 +1,22 @@
-# Run by ctest with build_dir, consumer_dir, work_dir, compiler and sanitize set.
-function(run)
-  execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
-endfunction()
+# Run by ctest with build_dir, consumer_dir, work_dir, compiler, python and sanitize set: installs the build tree, whole
+# and static, and uses what is there.
+include(${CMAKE_CURRENT_LIST_DIR}/use_installed.cmake)
 
 file(REMOVE_RECURSE ${work_dir})
 run(${CMAKE_COMMAND} --install ${build_dir} --prefix ${work_dir}/prefix)
-
-set(flags)
-if(sanitize)
-  # The libraries in the build tree refer to the sanitizer's run-time.
-  set(flags -D CMAKE_CXX_FLAGS=-fsanitize=${sanitize})
-endif()
-run(${CMAKE_COMMAND} -G Ninja -S ${consumer_dir} -B ${work_dir}/build
-  -D CMAKE_PREFIX_PATH=${work_dir}/prefix -D CMAKE_CXX_COMPILER=${compiler} ${flags})
-run(${CMAKE_COMMAND} --build ${work_dir}/build)
+build_with_cmake(-D WITH_COMPONENTS=ON)
 run(${work_dir}/build/consumer)
+run(${work_dir}/build/components ${work_dir}/calib.yaml)
+build_with_pkg_config(main flies --static)
+run(${work_dir}/main)
+build_with_pkg_config(components flies-io flies-track --static)
+run(${work_dir}/components ${work_dir}/calib.yaml)
+
+# Who only detects loads no OpenCV.
+needed_libraries(${work_dir}/build/consumer libraries)
+if(NOT libraries MATCHES "libtbb" OR libraries MATCHES "opencv|yaml|png|embree")
+  message(FATAL_ERROR "the consumer loads ${libraries}")
+endif()
 
 # The program must also work from where it was installed.
 run(${work_dir}/prefix/bin/flies --version)

@@ -15,6 +15,7 @@
 #include "flies/io/output_file.hpp"
 #include "flies/synth/render.hpp"
 #include "flies/synth/scene_options.hpp"
+#include "flies/version.hpp"
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
 #include "shared/standard_output.hpp"

@@ -84,7 +84,10 @@ SeenPairs find_boards(const CalibrateArguments& arguments, const flies::Board& b
   const auto paths =
       is_joined ? flies::find_joined_pairs(arguments.left) : flies::find_pairs(arguments.left, arguments.right);
   const auto& tools = flies::board_tools();
-  const ProgressBar bar(paths.size());
+  if (board.kind != flies::BoardKind::chessboard && !tools.has_markers())
+    throw flies::InputError("--kind", arguments.kind,
+                            "needs OpenCV's aruco, which was missing when this was built; allowed: chessboard");
+  ProgressBar bar(paths.size());
   SeenPairs seen;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     bar.show(i);

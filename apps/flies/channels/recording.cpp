@@ -4,17 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "channels/channels.hpp"
 #include "flies/classify/base64.hpp"
 #include "flies/core/error.hpp"
-#include "flies/io/image_codecs.hpp"
-#include "flies/io/image_file.hpp"
+#include "flies/record/ros_calibration.hpp"
 
 namespace {
 
@@ -35,9 +31,29 @@ flies::CameraMount mount_of(const Json& transform) {
   return mount;
 }
 
+/// Pictures of two cameras that are farther apart in time make no pair.
+constexpr std::uint64_t kMaxSkew_ns = 20'000'000;
+
+/// The topic that says how a camera of ROS sees: beside that of its pictures.
+std::string camera_info_topic(std::string pictures) {
+  constexpr std::string_view kCompressed = "/compressed";
+  if (pictures.ends_with(kCompressed)) pictures.resize(pictures.size() - kCompressed.size());
+  return pictures.substr(0, pictures.rfind('/') + 1) + "camera_info";
+}
+
+/// Whether ROS calls these pictures rectified: image_rect, image_rect_color.
+bool is_called_rectified(const std::string& pictures) { return pictures.find("image_rect") != std::string::npos; }
+
+/// The name with left for right.
+std::string of_the_left(std::string topic) {
+  for (auto at = topic.find("right"); at != std::string::npos; at = topic.find("right", at + 4))
+    topic.replace(at, 5, "left");
+  return topic;
+}
+
 }  // namespace
 
-void Recording::read_calibration(const flies::McapMessage& message) {
+void Recording::read_calibration(const flies::RecordedMessage& message) {
   const bool is_left = message.topic == topic_of(Channel::left_calibration);
   const bool is_right = message.topic == topic_of(Channel::right_calibration);
   const bool is_mount = message.topic == topic_of(Channel::camera_transform);
@@ -72,35 +88,94 @@ void Recording::read_calibration(const flies::McapMessage& message) {
   }
 }
 
-Recording::Recording(const std::string& path) : path_(path), reader_(std::make_unique<flies::McapReader>(path)) {
-  std::map<std::uint64_t, flies::McapPlace> left, right;
-  bool is_cut_off = false;
+Recording::Recording(const std::string& path, const std::optional<std::array<std::string, 2>>& topics)
+    : path_(path), reader_(flies::open_recording(path)) {
+  read_all();
+  choose_topics(topics);
+  pair_up();
+  if (is_cut_off_) notes_.push_back(fmt::format("{}: is cut off or damaged after {} pairs", path, pairs_.size()));
+}
+
+void Recording::read_all() {
   try {
-    while (const auto message = reader_->next()) {
-      if (message->encoding != "json") continue;
-      if (message->topic == topic_of(Channel::left)) left[message->time_ns] = message->place;
-      if (message->topic == topic_of(Channel::right)) right[message->time_ns] = message->place;
-      read_calibration(*message);
-    }
-    is_cut_off = !reader_->is_whole();
+    while (const auto message = reader_->next()) read(*message);
+    is_cut_off_ = !reader_->is_whole();
   } catch (const flies::InputError&) {
-    if (left.empty()) throw;
-    is_cut_off = true;
+    if (pictures_.empty()) throw;
+    is_cut_off_ = true;
   }
-  for (const auto& [time_ns, place] : left)
-    if (const auto partner = right.find(time_ns); partner != right.end())
-      pairs_.push_back({time_ns, place, partner->second});
-  if (pairs_.empty())
-    throw flies::InputError(path, "",
-                            fmt::format("holds no pairs: expected pictures of one time in {} and {}, in JSON, as "
-                                        "flies live --record writes them",
-                                        topic_of(Channel::left), topic_of(Channel::right)));
-  if (!has_left_ || !has_right_)
+}
+
+void Recording::read(const flies::RecordedMessage& message) {
+  const auto name = path_ + " " + message.topic;
+  switch (flies::ros_type(message)) {
+    case flies::RosType::image:
+    case flies::RosType::compressed_image:
+      pictures_[message.topic][flies::ros_stamp_ns(message, name)] = message.place;
+      return;
+    case flies::RosType::camera_info:
+      if (!camera_infos_.contains(message.topic)) camera_infos_[message.topic] = flies::ros_camera_info(message, name);
+      return;
+    case flies::RosType::other:
+      break;
+  }
+  if (message.encoding != "json") return;
+  if (message.topic == topic_of(Channel::left) || message.topic == topic_of(Channel::right))
+    pictures_[message.topic][message.time_ns] = message.place;
+  read_calibration(message);
+}
+
+/// The topics that hold pictures, for errors.
+std::string Recording::picture_topics() const {
+  std::vector<std::string> names;
+  for (const auto& [topic, pictures] : pictures_) names.push_back(fmt::format("{} ({})", topic, pictures.size()));
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+void Recording::choose_topics(const std::optional<std::array<std::string, 2>>& topics) {
+  if (topics) {
+    for (const auto& topic : *topics)
+      if (!pictures_.contains(topic))
+        throw flies::InputError(path_, "--topics",
+                                fmt::format("no pictures in '{}'; topics with pictures: {}", topic, picture_topics()));
+    left_ = (*topics)[0];
+    right_ = (*topics)[1];
+    return;
+  }
+  std::vector<std::string> found;  // right topics whose left ones are there
+  for (const auto& [topic, pictures] : pictures_)
+    if (const auto left = of_the_left(topic); left != topic && pictures_.contains(left)) found.push_back(topic);
+  // Of several the rectified ones, and of those the ones that are not compressed a second time.
+  const auto rank = [](const std::string& topic) {
+    return std::pair(!is_called_rectified(topic), topic.ends_with("/compressed"));
+  };
+  std::ranges::stable_sort(found, {}, rank);
+  if (found.empty() || (found.size() > 1 && rank(found[0]) == rank(found[1])))
     throw flies::InputError(
-        path, std::string(topic_of(has_left_ ? Channel::right_calibration : Channel::left_calibration)), "is missing");
-  flies::check_camera(camera_, path);
-  if (is_cut_off) notes_.push_back(fmt::format("{}: is cut off or damaged after {} pairs", path, pairs_.size()));
-  if (!has_mount_) notes_.push_back(path + ": does not say where the camera sits; the default mount is assumed");
+        path_, "",
+        fmt::format("cannot tell the left pictures from the right ones; name two topics by --topics LEFT,RIGHT; "
+                    "topics with pictures: {}",
+                    picture_topics()));
+  right_ = found.front();
+  left_ = of_the_left(right_);
+}
+
+void Recording::pair_up() {
+  const Pictures& right = pictures_[right_];
+  for (const auto& [time_ns, place] : pictures_[left_]) {
+    auto nearest = right.lower_bound(time_ns);
+    if (nearest == right.end() ||
+        (nearest != right.begin() && time_ns - std::prev(nearest)->first < nearest->first - time_ns))
+      --nearest;
+    const std::uint64_t skew_ns = std::max(time_ns, nearest->first) - std::min(time_ns, nearest->first);
+    if (skew_ns <= kMaxSkew_ns) pairs_.push_back({time_ns, place, nearest->second});
+  }
+  if (pairs_.empty())
+    throw flies::InputError(path_, "",
+                            fmt::format("holds no pairs: no pictures of {} and {} are within {} ms of each other",
+                                        left_, right_, kMaxSkew_ns / 1'000'000));
+  const std::size_t alone = pictures_[left_].size() - pairs_.size();
+  if (alone > 0) notes_.push_back(fmt::format("{}: {} pictures of {} have no partner", path_, alone, left_));
 }
 
 double Recording::time_s(std::size_t pair) const {
@@ -108,23 +183,18 @@ double Recording::time_s(std::size_t pair) const {
 }
 
 std::string Recording::name(std::size_t pair, bool is_right) const {
-  return fmt::format("{} {} {}", path_, topic_of(is_right ? Channel::right : Channel::left), pair);
+  return fmt::format("{} {} {}", path_, is_right ? right_ : left_, pair);
 }
 
-flies::GrayImage Recording::picture(const flies::McapPlace& place, const std::string& name) const {
+flies::GrayImage Recording::picture(const flies::MessagePlace& place, const std::string& name) const {
   const auto message = reader_->at(place);
+  if (flies::ros_type(message) != flies::RosType::other) return flies::ros_picture(message, name);
   const Json json = Json::parse(message.data, nullptr, false);
   const auto bytes = json.is_object() && json.contains("data") && json["data"].is_string()
                          ? flies::from_base64(json["data"].get<std::string>())
                          : std::nullopt;
-  if (bytes)
-    if (const auto fault = flies::detail::image_file_fault(*bytes); !fault.empty())
-      throw flies::InputError(name, "", fault);
-  cv::Mat pixels = bytes ? flies::decode_image(*bytes) : cv::Mat();
-  if (pixels.empty() || pixels.depth() != CV_8U) throw flies::InputError(name, "", "is no picture of 8 bits");
-  if (pixels.channels() > 1)
-    cv::cvtColor(pixels, pixels, pixels.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
-  return {pixels.cols, pixels.rows, std::vector<std::uint8_t>(pixels.datastart, pixels.dataend)};
+  if (!bytes) throw flies::InputError(name, "", "is no picture");
+  return flies::gray_picture(*bytes, name);
 }
 
 flies::GrayPair Recording::pair(std::size_t pair) const {
@@ -135,11 +205,44 @@ flies::GrayPair Recording::pair(std::size_t pair) const {
   return images;
 }
 
+const flies::RosCameraInfo& Recording::camera_info(const std::string& topic) const {
+  const auto found = camera_infos_.find(topic);
+  if (found != camera_infos_.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [name, info] : camera_infos_) names.push_back(name);
+  throw flies::InputError(path_, topic,
+                          fmt::format("is missing, so the calibration is not known; give it by --calib; topics with a "
+                                      "camera_info: {}",
+                                      names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+}
+
+flies::Calibration Recording::recorded_calibration() const {
+  if (left_ == topic_of(Channel::left) && (has_left_ || has_right_ || camera_infos_.empty())) {
+    if (!has_left_ || !has_right_)
+      throw flies::InputError(path_,
+                              std::string(topic_of(has_left_ ? Channel::right_calibration : Channel::left_calibration)),
+                              "is missing");
+    flies::check_camera(camera_, path_);
+    flies::Calibration calibration;
+    calibration.camera = camera_;
+    calibration.format = "recording";
+    calibration.has_height = calibration.has_pitch = has_mount_;
+    if (!has_mount_)
+      calibration.notes.push_back(path_ + ": does not say where the camera sits; the default mount is assumed");
+    return calibration;
+  }
+  const auto& left = camera_info(camera_info_topic(left_));
+  const auto& right = camera_info(camera_info_topic(right_));
+  const bool is_rectified =
+      is_called_rectified(left_) || (flies::is_rectified_by_nature(left) && flies::is_rectified_by_nature(right));
+  flies::Calibration calibration = flies::ros_calibration(left, right, is_rectified, path_);
+  calibration.left_name = left_;
+  calibration.right_name = right_;
+  return calibration;
+}
+
 flies::Calibration Recording::calibration(const CameraArguments& arguments) const {
-  flies::Calibration calibration;
-  calibration.camera = camera_;
-  calibration.format = "recording";
-  calibration.has_height = calibration.has_pitch = has_mount_;
+  flies::Calibration calibration = recorded_calibration();
   auto& mount = calibration.camera.mount;
   if (arguments.height_m) mount.height_m = *arguments.height_m;
   if (arguments.pitch_deg) mount.pitch_rad = flies::radians(*arguments.pitch_deg);

@@ -1,22 +1,28 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "flies/io/calibration.hpp"
 #include "flies/io/gray_image.hpp"
-#include "flies/record/mcap_reader.hpp"
+#include "flies/record/recorded_message.hpp"
+#include "flies/record/ros_message.hpp"
 #include "shared/camera_arguments.hpp"
 
-/// The pairs of a recording (MCAP) with its calibration, as `flies live --record` writes them: messages in JSON of
-/// Foxglove's CompressedImage, CameraCalibration and FrameTransform.
+/// The pairs of a recording with its calibration: an MCAP file as `flies live --record` writes it (messages in JSON of
+/// Foxglove's CompressedImage, CameraCalibration and FrameTransform), or of ROS 2 (CDR), or a bag of ROS 1, with two
+/// topics of pictures and their camera_info.
 class Recording {
  public:
   /// Reads the file once, to know what is where.
-  /// @throws InputError naming the file when it cannot be read, or lacks pictures or calibration of a camera
-  explicit Recording(const std::string& path);
+  /// @param topics of the left and the right pictures; nothing: ours, else those whose names say left and right
+  /// @throws InputError naming the file, and the topics that there are, when it cannot be read or lacks pictures
+  explicit Recording(const std::string& path, const std::optional<std::array<std::string, 2>>& topics = std::nullopt);
 
   std::size_t size() const { return pairs_.size(); }
   double time_s(std::size_t pair) const;  ///< since the first pair
@@ -26,6 +32,7 @@ class Recording {
   flies::GrayPair pair(std::size_t pair) const;
 
   /// The camera as it was recorded, its mount overruled by what the user says.
+  /// @throws InputError naming the topic that is missing
   flies::Calibration calibration(const CameraArguments& arguments) const;
 
   const std::vector<std::string>& notes() const { return notes_; }
@@ -33,16 +40,29 @@ class Recording {
  private:
   struct Pair {
     std::uint64_t time_ns = 0;
-    flies::McapPlace left, right;
+    flies::MessagePlace left, right;
   };
+  /// Of one topic of pictures by their times.
+  using Pictures = std::map<std::uint64_t, flies::MessagePlace>;
 
-  flies::GrayImage picture(const flies::McapPlace& place, const std::string& name) const;
-  void read_calibration(const flies::McapMessage& message);
+  void read_all();
+  void read(const flies::RecordedMessage& message);
+  void read_calibration(const flies::RecordedMessage& message);
+  void choose_topics(const std::optional<std::array<std::string, 2>>& topics);
+  void pair_up();
+  std::string picture_topics() const;
+  const flies::RosCameraInfo& camera_info(const std::string& topic) const;
+  flies::GrayImage picture(const flies::MessagePlace& place, const std::string& name) const;
+  flies::Calibration recorded_calibration() const;
 
   std::string path_;
-  std::unique_ptr<flies::McapReader> reader_;
+  std::unique_ptr<flies::RecordingReader> reader_;
+  std::map<std::string, Pictures> pictures_;
+  std::map<std::string, flies::RosCameraInfo> camera_infos_;
+  std::string left_, right_;  ///< the topics
   std::vector<Pair> pairs_;
-  flies::StereoCamera camera_;
+  flies::StereoCamera camera_;  ///< of our own recordings
   bool has_left_ = false, has_right_ = false, has_mount_ = false;
+  bool is_cut_off_ = false;
   std::vector<std::string> notes_;
 };

@@ -22,6 +22,7 @@
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
 #include "shared/progress_bar.hpp"
+#include "shared/read_ahead.hpp"
 #include "shared/result_table.hpp"
 #include "shared/run_diagnosis.hpp"
 #include "shared/standard_output.hpp"
@@ -84,6 +85,18 @@ FirstPair first_readable(const std::vector<flies::PairPaths>& pairs) {
   throw flies::InputError(*fault);
 }
 
+/// A pair as the detector wants it. @throws flies::InputError when it cannot be
+flies::GrayPair usable_pair(const flies::PairPaths& paths, const flies::Calibration& calibration,
+                            const RunDiagnosis& run) {
+  flies::GrayPair images = flies::load_pair(paths.left, paths.right);
+  if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+  const flies::RectifiedPair pair = images.view();
+  flies::check_camera_fits(calibration.camera, pair.left.width_px, pair.left.height_px, paths.left);
+  run.correct(images);
+  flies::check_true_pair(images.view(), calibration.camera, paths.left, paths.right);
+  return images;
+}
+
 void run_detect(const DetectArguments& arguments) {
   const flies::DetectorOptions unfitted = effective_options(arguments.method);
   const auto classifier = classifier_for(arguments.method.preset, arguments.model);
@@ -107,6 +120,12 @@ void run_detect(const DetectArguments& arguments) {
   const RunDiagnosis run = diagnose(pairs, calibration, arguments.corrections);
   const flies::DetectorOptions options = effective_options(arguments.method, calibration.camera);
   flies::Detector detector(calibration.camera, options, classifier);
+  const auto run_of =
+      run_record(arguments.method, options, calibration.camera, arguments.calib, classifier ? classifier->name() : "");
+  auto notes = calibration_notes(calibration, arguments.calib);
+  for (const auto& note : run.notes) notes.push_back(pairs[first].left + ": " + note);
+  say_notes(notes);
+  say_run(*run_of);
   constexpr auto kLines = flies::OutputFile::Kind::lines;
   std::optional<flies::OutputFile> json, csv, scan;
   if (!arguments.outputs.json.empty()) json.emplace(arguments.outputs.json, kLines);
@@ -116,7 +135,9 @@ void run_detect(const DetectArguments& arguments) {
   // The table goes to the terminal that the bar would be drawn on.
   const DetectOutputs& outputs = arguments.outputs;
   const bool prints = !outputs.any() || outputs.json == "-" || outputs.csv == "-" || outputs.scan == "-";
-  const ProgressBar progress(prints ? 0 : pairs.size());
+  ProgressBar progress(prints ? 0 : pairs.size());
+  ReadAhead<flies::GrayPair> ahead(
+      pairs.size(), [&](std::size_t i) { return usable_pair(pairs[i], calibration, run); }, options.threads != 1);
   std::vector<std::string> faults;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto& [left_path, right_path] = pairs[i];
@@ -129,21 +150,16 @@ void run_detect(const DetectArguments& arguments) {
                               .pedestrians = {},
                               .scan = {},
                               .diagnosis = run.record(),
+                              .run = run_of,
                               .error = {}};
     std::optional<flies::Detection> detection;
     try {
-      if (i != first) {
-        images = flies::load_pair(left_path, right_path);
-        if (calibration.rectifier) images = calibration.rectifier->rectify(images);
-        flies::check_camera_fits(calibration.camera, images.view().left.width_px, images.view().left.height_px,
-                                 left_path);
-      }
-      run.correct(images);
-      flies::check_true_pair(images.view(), calibration.camera, left_path, right_path);
+      images = ahead.next();
       detection = detector.process(images.view());
       record.obstacles = detection->obstacles;
       record.pedestrians = detection->pedestrians;
       record.scan = detection->scan;
+      record.road = detection->road.plane;
       record.stage_ms = detection->stage_ms;
     } catch (const flies::InputError& fault) {  // costs this pair, not the others
       if (is_single) throw;
@@ -164,9 +180,6 @@ void run_detect(const DetectArguments& arguments) {
   if (json) json->commit();
   if (csv) csv->commit();
   if (scan) scan->commit();
-  auto notes = calibration_notes(calibration, arguments.calib);
-  for (const auto& note : run.notes) notes.push_back(pairs[first].left + ": " + note);
-  say_notes(notes);
   if (!faults.empty())
     throw flies::InputError(arguments.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),
                             "could not be used, the others were; the first: " + faults.front());

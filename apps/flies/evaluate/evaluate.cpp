@@ -147,7 +147,7 @@ bool wants_sequence(const EvaluateArguments& arguments, const flies::Dataset& da
 
 flies::SequenceResult follow(const EvaluateArguments& arguments, const flies::Dataset& dataset,
                              const std::vector<std::size_t>& frames, const EvaluationContext& context) {
-  const ProgressBar progress(frames.size(), "pairs followed");
+  ProgressBar progress(frames.size(), "pairs followed");
   return flies::evaluate_sequence(dataset, frames.front(), frames.back() + 1, context.options, context.tracker,
                                   classifier_for(arguments.method.preset, arguments.model), context.measuring,
                                   [&](std::size_t done) { progress.show(done); });

@@ -11,6 +11,7 @@
 #include "flies/core/options.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/reproduce/report.hpp"
+#include "flies/version.hpp"
 #include "shared/commands.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/standard_output.hpp"
@@ -51,7 +52,7 @@ std::vector<flies::FrameSet> load_sets(const ReproduceArguments& arguments, cons
     real.push_back({"KITTI object",
                     "Pairs of a KITTI object folder that show a labelled pedestrian or cyclist 5 to 40 m away.",
                     flies::read_frames_with_people(arguments.kitti_object, flies::TruthKind::kitti_object, match)});
-  const ProgressBar progress(2 * static_cast<std::size_t>(arguments.scenes));
+  ProgressBar progress(2 * static_cast<std::size_t>(arguments.scenes));
   auto sets = flies::embedded_sets(arguments.scenes, [&](std::size_t done) { progress.show(done); });
   for (auto& set : real) sets.push_back(std::move(set));
   return sets;
@@ -60,7 +61,7 @@ std::vector<flies::FrameSet> load_sets(const ReproduceArguments& arguments, cons
 std::vector<flies::ReportSet> measure(const std::vector<flies::FrameSet>& sets, const flies::PersonOptions& options) {
   std::size_t total = 0, before = 0;
   for (const auto& set : sets) total += flies::count_people(set, options.match);
-  const ProgressBar progress(total);
+  ProgressBar progress(total);
   std::vector<flies::ReportSet> measured;
   for (const auto& set : sets) {
     flies::ReportSet part;

@@ -14,6 +14,7 @@
 #include "channels/channel_sinks.hpp"
 #include "channels/queued_sink.hpp"
 #include "flies/core/error.hpp"
+#include "live/film_sink.hpp"
 #include "live/live_outputs.hpp"
 #include "live/live_run.hpp"
 #include "live/live_status.hpp"
@@ -43,11 +44,11 @@ struct LiveArguments {
   std::string view_address = "127.0.0.1";
   std::optional<int> foxglove_port;  ///< none: no server
   std::string foxglove_address = "127.0.0.1";
-  std::string record;
+  std::string record, video;
 };
 
 constexpr std::size_t kMostForFoxglove = 2;  // pairs that wait to be sent: what is seen is to be new
-constexpr std::size_t kMostForRecord = 60;   // and to be recorded: two seconds at 30 Hz
+constexpr std::size_t kMostForRecord = 60;   // and to be recorded or filmed: two seconds at 30 Hz
 constexpr int kViewPort = 8090;
 constexpr int kFoxglovePort = 8765;  // where Foxglove looks first
 
@@ -124,6 +125,7 @@ class Outputs {
     if (arguments.view_port) add_view({arguments.view_address, *arguments.view_port});
     if (arguments.foxglove_port) add_foxglove(arguments.foxglove_address, *arguments.foxglove_port);
     if (!arguments.record.empty()) add_record(arguments.record);
+    if (!arguments.video.empty()) add_film(arguments.video);
     if (sinks_.empty()) sinks_.push_back(&table_.emplace());
     sinks_.push_back(&status_);
   }
@@ -134,6 +136,8 @@ class Outputs {
   void finish(const flies::PairStreamCounts& source) {
     if (record_queue_) record_queue_->finish();
     if (record_) record_->close();
+    if (film_queue_) film_queue_->finish();
+    if (film_) film_->finish();
     status_.finish(source);
   }
 
@@ -154,6 +158,13 @@ class Outputs {
     }));
   }
 
+  void add_film(const std::string& path) {
+    film_.emplace(path);
+    sinks_.push_back(&film_queue_.emplace(*film_, kMostForRecord, [path] {
+      say_notes({path + ": this machine is too slow to film every pair; some are left out"});
+    }));
+  }
+
   std::optional<JsonSink> json_;
   std::optional<TableSink> table_;
   std::optional<View> view_;
@@ -161,6 +172,8 @@ class Outputs {
   std::optional<QueuedSink> foxglove_queue_;
   std::optional<RecordSink> record_;
   std::optional<QueuedSink> record_queue_;
+  std::optional<FilmSink> film_;
+  std::optional<QueuedSink> film_queue_;
   LiveStatus status_;
   std::vector<LiveSink*> sinks_;
 };
@@ -293,6 +306,11 @@ void setup_live(CLI::App& app) {
   command
       ->add_option("--record", arguments->record,
                    "a recording (MCAP) of pictures and results, for them and for flies track")
+      ->type_name("FILE")
+      ->group("Output");
+  command
+      ->add_option("--video", arguments->video,
+                   "MP4 film: the left image with boxes, beside it the view from above with trails")
       ->type_name("FILE")
       ->group("Output");
   command->footer(

@@ -18,3 +18,4 @@ void setup_reproduce(CLI::App& app);
 void setup_bench(CLI::App& app);
 void setup_config(CLI::App& app);
 void setup_info(CLI::App& app);
+void setup_completion(CLI::App& app);

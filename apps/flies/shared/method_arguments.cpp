@@ -5,6 +5,7 @@
 
 #include "flies/core/options.hpp"
 #include "flies/io/options_yaml.hpp"
+#include "flies/version.hpp"
 
 void add_method_options(CLI::App& app, MethodArguments& arguments) {
   constexpr const char* kGroup = "Method";
@@ -29,8 +30,7 @@ void add_method_options(CLI::App& app, MethodArguments& arguments) {
 
 std::shared_ptr<const flies::PeopleClassifier> classifier_for(const std::string& preset, const std::string& model) {
   if (!model.empty()) return flies::people_classifier(model);
-  if (preset == enum_name(flies::Preset::paper)) return flies::people_classifier("flies-48x96-linear");
-  return flies::default_people_classifier();
+  return flies::preset_classifier(flies::preset_named(preset, "command line"));
 }
 
 std::string preset_name(const flies::DetectorOptions& options) {
@@ -42,6 +42,23 @@ std::string preset_name(const flies::DetectorOptions& options) {
     if (std::ranges::equal(flies::list_options(preset), flies::list_options(options), same)) return std::string(name);
   }
   return "custom";
+}
+
+std::shared_ptr<const flies::RunRecord> run_record(const MethodArguments& arguments,
+                                                   const flies::DetectorOptions& options,
+                                                   const flies::StereoCamera& camera, const std::string& calibration,
+                                                   const std::string& people_model) {
+  auto run = std::make_shared<flies::RunRecord>();
+  run->version = FLIES_VERSION;
+  run->calibration = calibration;
+  run->camera = camera;
+  run->people_model = people_model;
+  run->preset = arguments.preset;
+  const auto preset = flies::list_options(flies::preset_options(flies::preset_named(arguments.preset, "command line")));
+  const auto used = flies::list_options(options);
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i].value != preset[i].value) run->options.emplace_back(used[i].path, used[i].value);
+  return run;
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "flies/io/writers.hpp"
 #include "flies/pipeline/detector.hpp"
 
 /// The options of the method as given on a command line, unchecked.
@@ -33,3 +34,9 @@ std::shared_ptr<const flies::PeopleClassifier> classifier_for(const std::string&
 
 /// The preset whose options these are, whatever seed and threads; "custom" when they are no preset's.
 std::string preset_name(const flies::DetectorOptions& options);
+
+/// What a run is made of, for its record. @param options as they are used, fitted to the camera
+std::shared_ptr<const flies::RunRecord> run_record(const MethodArguments& arguments,
+                                                   const flies::DetectorOptions& options,
+                                                   const flies::StereoCamera& camera, const std::string& calibration,
+                                                   const std::string& people_model);

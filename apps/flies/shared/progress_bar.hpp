@@ -1,8 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 
-/// A bar on standard error that counts what is done; silent when that is no terminal or there are less than two.
+/// Tells on standard error how much is done and how long the rest will take: a bar on a terminal, elsewhere a line now
+/// and then. Silent with `--quiet` and when there are less than two.
 class ProgressBar {
  public:
   /// @param what is counted, in the plural; it must outlive the bar
@@ -11,10 +13,13 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  void show(std::size_t done) const;
+  void show(std::size_t done);
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   std::size_t total_;
   const char* what_;
-  bool is_visible_;
+  bool is_silent_, is_terminal_;
+  Clock::time_point began_ = Clock::now(), told_ = began_;
 };

@@ -44,10 +44,13 @@ std::vector<double> times_of(const std::string& file, std::size_t count) {
   return times_s;
 }
 
-bool is_recording(const std::string& source) { return source.ends_with(".mcap") && !fs::is_directory(source); }
+bool is_recording(const std::string& source) {
+  return (source.ends_with(".mcap") || source.ends_with(".bag")) && !fs::is_directory(source);
+}
 
-void open_recording(SequenceSource& source, const std::string& path) {
-  source.recording = std::make_shared<Recording>(path);
+void open_recording(SequenceSource& source, const std::string& path,
+                    const std::optional<std::array<std::string, 2>>& topics) {
+  source.recording = std::make_shared<Recording>(path, topics);
   for (std::size_t i = 0; i < source.recording->size(); ++i) {
     source.pairs.push_back({source.recording->name(i, false), source.recording->name(i, true)});
     source.times_s.push_back(source.recording->time_s(i));
@@ -67,7 +70,7 @@ SequenceSource open_sequence(const SequenceRequest& request) {
   source.calib = request.calib;
   std::string own_times;
   if (request.sources.size() == 1 && is_recording(request.sources[0])) {
-    open_recording(source, request.sources[0]);
+    open_recording(source, request.sources[0], request.topics);
   } else if (request.sources.size() == 1 && is_drawn(request.sources[0])) {
     const fs::path folder = request.sources[0];
     source.pairs = flies::find_pairs((folder / "left").string(), (folder / "right").string());
@@ -80,7 +83,7 @@ SequenceSource open_sequence(const SequenceRequest& request) {
         !fs::is_directory(camera_folder(drive, right) / "data"))
       throw flies::InputError(request.sources[0], "",
                               "is no KITTI raw drive (image_00/data and image_01/data), no folder of flies synth "
-                              "--sequence and no recording (.mcap), expected one, or two folders");
+                              "--sequence and no recording (.mcap, .bag), expected one, or two folders");
     source.pairs = flies::find_pairs((camera_folder(drive, left) / "data").string(),
                                      (camera_folder(drive, right) / "data").string());
     own_times = (camera_folder(drive, left) / "timestamps.txt").string();

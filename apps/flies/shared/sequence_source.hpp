@@ -24,11 +24,12 @@ struct SequenceSource {
 };
 
 struct SequenceRequest {
-  std::vector<std::string> sources;  ///< a KITTI raw drive, a drawn sequence, a recording (.mcap), or two folders
+  std::vector<std::string> sources;  ///< a KITTI raw drive, a drawn sequence, a recording, or two folders
   std::string calib;                 ///< empty: that of the drive
   std::string times;                 ///< file of times, a line a pair; empty: see below
   std::optional<double> rate_hz;     ///< pairs a second
-  std::optional<std::array<int, 2>> cameras;  ///< of a drive; else 0 and 1 if there, else 2 and 3
+  std::optional<std::array<std::string, 2>> topics;  ///< of a recording; else found by their names
+  std::optional<std::array<int, 2>> cameras;         ///< of a drive; else 0 and 1 if there, else 2 and 3
 };
 
 /// Times: those of `times`, else by `rate_hz`, else the drive's own image_XX/timestamps.txt, else 10 Hz with a note.

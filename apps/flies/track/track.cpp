@@ -29,6 +29,7 @@
 #include "shared/sequence_source.hpp"
 #include "shared/standard_output.hpp"
 #include "track/track_outputs.hpp"
+#include "track/track_picture.hpp"
 
 namespace {
 
@@ -39,6 +40,7 @@ struct TrackArguments {
   std::string model;
   MethodArguments method;
   std::vector<std::pair<std::string, std::string>> following;  ///< options of ego and track: dotted name and text
+  std::vector<std::string> topics;
   std::string json, kitti, video;
 };
 
@@ -84,12 +86,7 @@ class TrackFilm {
   TrackFilm(const std::string& path, const std::vector<double>& times_s) : film_(path, rate_hz(times_s)) {}
 
   void add(const flies::RectifiedPair& pair, const TrackedFrame& frame) {
-    const auto& left = pair.left;
-    // OpenCV has no view of constant pixels; it only reads them here.
-    const cv::Mat image(left.height_px, left.width_px, CV_8UC1, const_cast<std::uint8_t*>(left.data),
-                        static_cast<std::size_t>(left.stride));
-    const auto& [time_s, ego, tracks, detection, ego_ms, track_ms] = frame.tracking;
-    film_.add(view_.draw({image, time_s, ego, tracks, {detection.scan, frame.camera, detection.road.plane}}));
+    film_.add(track_picture(view_, pair.left, frame));
   }
   void commit() { film_.commit(); }
 
@@ -110,6 +107,7 @@ void run_track(TrackArguments arguments) {
   const auto classifier = classifier_for(arguments.method.preset, arguments.model);
   if (!arguments.camera.cameras.empty())
     arguments.sequence.cameras = std::array{arguments.camera.cameras[0], arguments.camera.cameras[1]};
+  if (!arguments.topics.empty()) arguments.sequence.topics = std::array{arguments.topics[0], arguments.topics[1]};
   const SequenceSource source = open_sequence(arguments.sequence);
 
   // The detector keeps to its own arena; this holds OpenCV, which runs on oneTBB too, to the same number.
@@ -122,6 +120,7 @@ void run_track(TrackArguments arguments) {
   std::optional<flies::Calibration> calibration;
   std::optional<flies::Tracker> tracker;
   RunDiagnosis run;
+  std::shared_ptr<const flies::RunRecord> run_of;
   std::optional<LineFile> json, kitti;
   if (!arguments.json.empty()) json.emplace(arguments.json);
   if (!arguments.kitti.empty()) kitti.emplace(arguments.kitti);
@@ -147,8 +146,14 @@ void run_track(TrackArguments arguments) {
     if (i == 0) {
       calibration->camera.width_px = pair.left.width_px;
       calibration->camera.height_px = pair.left.height_px;
-      tracker.emplace(calibration->camera, effective_options(arguments.method, calibration->camera), following,
-                      classifier);
+      const auto options = effective_options(arguments.method, calibration->camera);
+      tracker.emplace(calibration->camera, options, following, classifier);
+      run_of = run_record(arguments.method, options, calibration->camera, source.calib, classifier->name());
+      auto notes = source.notes;
+      for (const auto& note : calibration->notes) notes.push_back(source.calib + ": " + note);
+      for (const auto& note : run.notes) notes.push_back(left_path + ": " + note);
+      say_notes(notes);
+      say_run(*run_of);
       flies::check_true_pair(pair, calibration->camera, left_path, right_path);
     }
 
@@ -159,7 +164,8 @@ void run_track(TrackArguments arguments) {
                              .seed = unfitted.seed,
                              .preset = preset_name(unfitted),
                              .camera = calibration->camera,
-                             .tracking = tracker->process(pair, source.times_s[i])};
+                             .tracking = tracker->process(pair, source.times_s[i]),
+                             .run = run_of};
     const std::chrono::duration<double, std::milli> latency = std::chrono::steady_clock::now() - start;
     if (json) json->write(track_json_line(frame));
     if (kitti) kitti->write(kitti_tracking_lines(frame));
@@ -168,10 +174,6 @@ void run_track(TrackArguments arguments) {
     status.show(latency.count());
   }
   if (film) film->commit();
-  auto notes = source.notes;
-  for (const auto& note : calibration->notes) notes.push_back(source.calib + ": " + note);
-  for (const auto& note : run.notes) notes.push_back(source.pairs.front().left + ": " + note);
-  say_notes(notes);
 }
 
 }  // namespace
@@ -180,8 +182,9 @@ void setup_track(CLI::App& app) {
   CLI::App* command = app.add_subcommand("track", "follow things through a sequence: identity, velocity, ego-motion");
   const auto arguments = std::make_shared<TrackArguments>();
   command
-      ->add_option("SOURCE", arguments->sequence.sources,
-                   "a recording (.mcap), a KITTI raw drive, a drawn sequence, or the folders of left and right images")
+      ->add_option(
+          "SOURCE", arguments->sequence.sources,
+          "a recording (.mcap, .bag), a KITTI raw drive, a drawn sequence, or the folders of left and right images")
       ->required()
       ->expected(1, 2);
   command->add_option("--calib", arguments->sequence.calib, "calibration; of a drive the one beside it, if not given")
@@ -191,6 +194,10 @@ void setup_track(CLI::App& app) {
       ->type_name("HZ");
   command->add_option("--times", arguments->sequence.times, "times of the pairs, one a line: seconds, or as KITTI raw")
       ->type_name("FILE");
+  command->add_option("--topics", arguments->topics, "of a recording: topics of the left and the right pictures")
+      ->expected(2)
+      ->delimiter(',')
+      ->type_name("LEFT,RIGHT");
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 2,3; of a drive else 0,1 when there, else 2,3");
   add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
@@ -230,6 +237,7 @@ void setup_track(CLI::App& app) {
       "\nExamples:\n"
       "  flies track 2011_09_26/2011_09_26_drive_0005_sync\n"
       "  flies track left right --calib calib.yaml --rate 15 --json - | tee tracks.jsonl\n"
+      "  flies track recording.mcap --topics /cam/left/image_rect,/cam/right/image_rect\n"
       "  flies track drive --video drive.mp4                 of a folder of `flies synth --sequence`\n"
       "\nExit status: 0 done, 2 a fault in the input, told in one line.");
   command->callback([arguments] { run_track(*arguments); });

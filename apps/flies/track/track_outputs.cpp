@@ -80,7 +80,9 @@ std::string track_json_line(const TrackedFrame& frame) {
                                   .obstacles = tracking.detection.obstacles,
                                   .pedestrians = tracking.detection.pedestrians,
                                   .scan = tracking.detection.scan,
-                                  .stage_ms = tracking.detection.stage_ms};
+                                  .stage_ms = tracking.detection.stage_ms,
+                                  .run = frame.run,
+                                  .road = tracking.detection.road.plane};
   Json object = Json::parse(flies::json_line(record));
   object["time_s"] = rounded(tracking.time_s, 1e6);
   object["ego"] = ego_of(tracking.ego);

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "flies/core/stereo_camera.hpp"
+#include "flies/io/writers.hpp"
 #include "flies/pipeline/tracker.hpp"
 
 /// What only a living source has.
@@ -23,6 +25,7 @@ struct TrackedFrame {
   flies::StereoCamera camera;
   flies::Tracking tracking;
   std::optional<LiveRecord> live = {};
+  std::shared_ptr<const flies::RunRecord> run = {};
 };
 
 /// The line of `flies detect` with `time_s`, `ego`, `tracks` and, of a living source, `live` added; docs/formats.md

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "flies/core/box_overlap.hpp"
 #include "flies/core/error.hpp"
 
 namespace flies {
@@ -20,10 +21,8 @@ constexpr std::string_view kOptionsSource = "classify options";
 
 /// Share of the smaller box that the other one covers.
 double overlap(const ImageBox& a, const ImageBox& b) {
-  const double width = std::min(a.u_px + a.width_px, b.u_px + b.width_px) - std::max(a.u_px, b.u_px);
-  const double height = std::min(a.v_px + a.height_px, b.v_px + b.height_px) - std::max(a.v_px, b.v_px);
-  if (width <= 0.0 || height <= 0.0) return 0.0;
-  return width * height / std::min(a.width_px * a.height_px, b.width_px * b.height_px);
+  const double both_px2 = intersection_px2(a, b);
+  return both_px2 > 0.0 ? both_px2 / std::min(area_px2(a), area_px2(b)) : 0.0;
 }
 
 /// Whether the two verdicts speak of one person. Side by side people differ across the line of sight; in depth the

@@ -46,10 +46,9 @@ struct ClassifyOptions {
         "person, and its other heights are not looked at; 0 looks at all");
     field("second_looks", self.second_looks, Range{1, 1000},
           "boxes at each place that are shown to a model's second stage, the surest at first look");
-    field(
-        "votes", self.votes, Range{1, 1000},
-        "of those the surest by the second stage, whose mean log-odds are the verdict; where the first look let fewer "
-        "through, the missing ones say what it asks for at least");
+    field("votes", self.votes, Range{1, 1000},
+          "a place is a person when the mean log-odds of its so many surest boxes, by the second stage, say so; a "
+          "box that the first look did not let through counts with the least log-odds that look lets through");
   }
 };
 
@@ -58,7 +57,7 @@ struct ClassifyResult {
   std::vector<Pedestrian> pedestrians;  ///< nearest first
 };
 
-/// Finds the people among the boxes (METHOD section 5): a cheap look at those of the middle height, and at the others
+/// Finds the people among the boxes (Li 2010, IV): a cheap look at those of the middle height, and at the others
 /// of the obstacles that may be people; the surest box at each place on the ground; the classifier's last word on
 /// those.
 /// @param left the image that the boxes belong to, with pixels

@@ -25,9 +25,9 @@ struct HogBlocks {
   }
 };
 
-/// @param pixels with `kHogMargin_px` around what the blocks cover; without margin a number of strides that blocks
-/// tile.
-///               Grey levels, 0 to 255; used up.
+/// The blocks of an image.
+/// @param pixels grey levels, 0 to 255; `kHogMargin_px` wider on every side than what the blocks cover, which must be
+///               whole strides. Used up.
 HogBlocks hog_blocks(FloatImage pixels, const HogGeometry& geometry);
 
 }  // namespace flies

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
 
+#include "flies/classify/named_models.hpp"
 #include "flies/classify/people_model.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/random.hpp"

@@ -1,7 +1,6 @@
 #include "flies/classify/model_file.hpp"
 
 #include <fmt/format.h>
-#include <opencv2/core/cvdef.h>
 
 #include <algorithm>
 #include <bit>
@@ -10,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "flies/classify/base64.hpp"
+#include "flies/classify/half.hpp"
+#include "flies/classify/shipped_model.hpp"
 #include "flies/core/error.hpp"
-#include "flies/io/output_file.hpp"
-#include "flies/io/text_file.hpp"
 
 static_assert(std::endian::native == std::endian::little, "numbers in model files are little-endian");
 
@@ -23,7 +22,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "flies people model";
 constexpr int kVersion = 1;
-constexpr std::size_t kMaxFile_bytes = std::size_t{1} << 28;
 /// Without the numbers of arrays. Keys are looked up one after the other: more of them would take minutes.
 constexpr std::size_t kMaxRest_bytes = std::size_t{1} << 17;
 constexpr std::string_view kChecksumKey = "\n \"checksum\": ";
@@ -34,15 +32,6 @@ std::string checksum_of(std::string_view bytes) {
   for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3U;
   return fmt::format("fnv1a64 {:016x}", hash);
 }
-
-std::uint16_t half_of(float value) {
-  const cv::float16_t half(value);
-  std::uint16_t bits = 0;
-  std::memcpy(&bits, &half, sizeof(bits));
-  return bits;
-}
-
-float from_half(std::uint16_t bits) { return static_cast<float>(cv::float16_t::fromBits(bits)); }
 
 template <class T>
 std::string bytes_of(const std::vector<T>& values) {
@@ -183,7 +172,7 @@ class Reader {
     if (!list.is_array() || list.size() != dimensions)
       fields.fail("shape", fmt::format("expected a list of {} whole numbers", dimensions));
     for (const auto& length : list) {
-      if (!length.is_number_unsigned() || length.get<std::uint64_t>() > kMaxFile_bytes)
+      if (!length.is_number_unsigned() || length.get<std::uint64_t>() > kMaxModelFile_bytes)
         fields.fail("shape", "expected whole numbers");
       shape.push_back(length.get<std::size_t>());
     }
@@ -344,9 +333,7 @@ PeopleModel parse_embedded_model(std::string_view text, const std::string& sourc
   return parse(text, source, false);
 }
 
-PeopleModel read_people_model(const std::string& path) {
-  return parse_people_model(read_file(path, kMaxFile_bytes), path);
-}
+PeopleModel shipped_people_model() { return parse_embedded_model(shipped_model_text(), "flies-48x96"); }
 
 std::string people_model_text(const PeopleModel& model) {
   check_people_model(model, model.name);
@@ -391,10 +378,6 @@ std::string people_model_text(const PeopleModel& model) {
   const std::string checksum = checksum_of(text);
   text.append(kChecksumKey).append(1, '"').append(checksum).append("\"\n}\n");
   return text;
-}
-
-void write_people_model(const std::string& path, const PeopleModel& model) {
-  write_file(path, people_model_text(model));
 }
 
 void round_to_half(std::vector<float>& values) {

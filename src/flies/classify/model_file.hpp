@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -7,10 +8,16 @@
 
 namespace flies {
 
+/// Larger files are no models.
+inline constexpr std::size_t kMaxModelFile_bytes = std::size_t{1} << 28;
+
 /// Reads a model file (docs/formats.md).
 /// @throws InputError naming the file and the field: unreadable, not JSON, another format or version, missing or
 ///         unknown key, wrong type, wrong length, a number that is not finite, a checksum that does not fit
 PeopleModel read_people_model(const std::string& path);
+
+/// The model that comes with the library: models/people_48x96.json.
+PeopleModel shipped_people_model();
 
 /// The same from text in memory.
 /// @param source names it in errors

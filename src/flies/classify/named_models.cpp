@@ -1,4 +1,5 @@
-// What is found by name, apart from the shipped model: programs that do without need not load OpenCV for it.
+#include "flies/classify/named_models.hpp"
+
 #include <fmt/format.h>
 
 #include <array>
@@ -8,10 +9,10 @@
 #include "flies/classify/model_file.hpp"
 #include "flies/classify/network_classifier.hpp"
 #include "flies/classify/people_classifier.hpp"
-#include "flies/classify/people_model.hpp"
 #include "flies/classify/shipped_model.hpp"
 #include "flies/core/error.hpp"
 
+// Apart from the shipped model: programs that do without the others need not load OpenCV for them.
 namespace flies {
 namespace {
 

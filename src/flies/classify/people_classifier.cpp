@@ -9,6 +9,7 @@
 
 #include "flies/classify/convolution.hpp"
 #include "flies/classify/kernel_machine.hpp"
+#include "flies/classify/model_file.hpp"
 #include "flies/classify/svm_scores.hpp"
 #include "flies/classify/window_sets.hpp"
 #include "flies/core/error.hpp"

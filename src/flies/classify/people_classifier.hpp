@@ -12,8 +12,9 @@
 
 namespace flies {
 
-/// Looks at windows of one image, at all or some of them, then closer at a few. What one look finds out serves the
-/// next.
+/// A cascade (Viola and Jones 2001) over windows of one image: the first stage, called the first look or `screen`, is
+/// cheap and sees all or some windows; the last, `classify`, sees the few that are left. What one look finds out serves
+/// the next. Threads: one object serves one thread at a time.
 class PeopleLooks {
  public:
   virtual ~PeopleLooks() = default;
@@ -26,8 +27,8 @@ class PeopleLooks {
   virtual std::vector<double> classify(std::span<const std::size_t> some) = 0;
 };
 
-/// Says how probable it is that a window shows a person. Calls may run side by side; they run on oneTBB's current
-/// arena, and results do not depend on the number of threads.
+/// Says how probable it is that a window shows a person. Threads: calls may run side by side; they run on oneTBB's
+/// current arena, and results do not depend on the number of threads.
 class PeopleClassifier {
  public:
   virtual ~PeopleClassifier() = default;
@@ -68,7 +69,7 @@ std::shared_ptr<const PeopleClassifier> default_people_classifier();
 
 /// Finds a classifier: by name (see `people_model_names`) by the path of a model
 /// file, or of a network that OpenCV reads (see `network_classifier`).
-/// @throws InputError naming file and field
+/// @throws InputError naming file and field. In the component `io`.
 std::shared_ptr<const PeopleClassifier> people_classifier(std::string_view name_or_path);
 
 }  // namespace flies

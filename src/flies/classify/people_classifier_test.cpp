@@ -9,6 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "flies/classify/convolution.hpp"
+#include "flies/classify/model_file.hpp"
+#include "flies/classify/named_models.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/random.hpp"
 

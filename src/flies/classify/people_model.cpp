@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "flies/classify/model_file.hpp"
-#include "flies/classify/shipped_model.hpp"
 #include "flies/core/error.hpp"
 
 namespace flies {
@@ -131,7 +129,5 @@ double person_probability(const PeopleModel& model, std::span<const float> featu
   const bool is_asked = model.kernel && linear >= model.linear.reject_below;
   return person_probability(model, linear, is_asked ? kernel_score(*model.kernel, features) : 0.0);
 }
-
-PeopleModel shipped_people_model() { return parse_embedded_model(shipped_model_text(), "flies-48x96"); }
 
 }  // namespace flies

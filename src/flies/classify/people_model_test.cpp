@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "flies/classify/named_models.hpp"
 #include "flies/classify/svm_scores.hpp"
 #include "flies/core/error.hpp"
 

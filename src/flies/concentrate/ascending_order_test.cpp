@@ -26,7 +26,7 @@ TEST(AscendingOrder, PutsEqualValuesInTheOrderOfTheirIndices) {
 
 TEST(AscendingOrder, SortsEveryNumberOfValues) {
   AscendingOrder order;
-  for (const std::size_t count : {0, 1, 2, 1000, 300}) {
+  for (const std::size_t count : {0U, 1U, 2U, 1000U, 300U}) {
     std::vector<float> values(count);
     for (std::size_t i = 0; i < count; ++i)
       values[i] = static_cast<float>(FlyRandom(1, 2, 3, static_cast<std::uint32_t>(i)).normal());

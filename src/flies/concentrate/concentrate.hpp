@@ -16,13 +16,13 @@
 
 namespace flies {
 
-/// Condenses flies into obstacles (METHOD section "Concentrating"): the sum of the steps below.
+/// Condenses flies into obstacles (Li 2010, III.B): the sum of the steps below.
 /// @param flies scored flies; those outside the field of detection have no say
 ConcentrateResult concentrate(const Population& flies, const Projection& projection, const RoadPlane& road,
                               const FieldOptions& field, const ConcentrateOptions& options);
 
 /// The same for pair after pair. Keeps memory and nothing else from call to call: once it has seen a population of the
-/// size, it allocates no more while the options stay.
+/// size, it allocates no more while the options stay. Threads: one object serves one thread at a time.
 class Concentrator {
  public:
   /// @returns a result that is valid until the next call

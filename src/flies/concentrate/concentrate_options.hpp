@@ -11,7 +11,7 @@ namespace flies {
 /// What an obstacle's position means.
 enum class ObstaclePosition {
   near_face,  ///< range of its near face, middle of its width: what a driver brakes for
-  candidate,  ///< where the mean shift ended (METHOD 4.5): inside the object
+  candidate,  ///< where the mean shift ended (Li 2010, III.B): inside the object
 };
 template <>
 struct EnumNames<ObstaclePosition> {

@@ -13,13 +13,13 @@ struct PixelPoint {
   double v_px = 0.0;
 };
 
-/// A fly dropped to the ground and projected onto the left image (METHOD 4.2), the element of the mean shift.
+/// A fly dropped to the ground and projected onto the left image (Li 2010, III.B), the element of the mean shift.
 struct DroppedFly {
   PixelPoint pixel;
   double fitness = 0.0;
 };
 
-/// A view-angle of the histogram based sampling, its histogram and its sample points (METHOD 4.1).
+/// A view-angle of the histogram based sampling, its histogram and its sample points (Li 2010, III.B).
 struct ViewAngle {
   double min_azimuth_rad = 0.0;  ///< its right edge; azimuth = atan2(y, x), positive to the left
   double max_azimuth_rad = 0.0;
@@ -34,17 +34,17 @@ struct HistogramAxis {
   int bins = 0;
 };
 
-/// One sample point on its way through the mean shift (METHOD 4.2), in the left image.
+/// One sample point on its way through the mean shift (Li 2010, III.B), in the left image.
 struct ShiftedPoint {
   PixelPoint start;
   PixelPoint end;
 };
 
-/// A cluster of shifted points (METHOD 4.3) and what became of it.
+/// A cluster of shifted points (Li 2010, III.B) and what became of it.
 struct Candidate {
   PixelPoint pixel;      ///< centre of the cluster in the left image (ground-dropped projection)
-  GroundPoint ground;    ///< the same re-projected to the ground (METHOD 4.5)
-  double density = 0.0;  ///< fitness density at the centre (METHOD 4.4)
+  GroundPoint ground;    ///< the same re-projected to the ground (Li 2010, III.B)
+  double density = 0.0;  ///< fitness density at the centre (Li 2010, III.B)
   bool kept = false;     ///< false: discarded for its low density
 };
 

@@ -24,7 +24,7 @@ constexpr std::size_t kNeighboursAPart = 32;
 /// A separation that keeps parts apart.
 constexpr double kApart = std::numeric_limits<double>::infinity();
 
-/// The smallest values up to which `low` and `high` of the total weight lie, in a chain that starts with `fly`.
+/// The smallest values up to which `low` and `high` of the total weight lie, in a list that starts with `fly`.
 template <class Weight>
 std::pair<double, double> weighted_quantiles(std::uint32_t fly, std::span<const std::uint32_t> next,
                                              std::span<const float> values, const Weight& weight, double total,
@@ -38,7 +38,7 @@ std::pair<double, double> weighted_quantiles(std::uint32_t fly, std::span<const 
   return {low_value, value_at(high)};
 }
 
-/// Merges two chains that are sorted by `values`. @returns the first of the merged
+/// Merges two lists that are sorted by `values`. @returns the first of the merged
 std::uint32_t merge(std::uint32_t a, std::uint32_t b, std::span<const float> values, std::span<std::uint32_t> next) {
   std::uint32_t first = kNone;
   std::uint32_t* link = &first;
@@ -110,7 +110,7 @@ void ObjectParts::reserve(std::size_t flies, std::size_t candidates) {
   parts_.reserve(candidates);
   owned_.reserve(flies);
   values_.reserve(flies);
-  for (auto* chain : {&farther_, &farther_left_, &higher_}) chain->reserve(flies);
+  for (auto& next : next_) next.reserve(flies);
   order_.reserve(flies);
   neighbours_.reserve(kNeighboursAPart * candidates);
 }
@@ -121,15 +121,56 @@ void ObjectParts::measure(Part& part, double near_quantile) const {
   // be the noise of its poorer flies.
   const auto squared_fitness = [&](std::uint32_t i) { return fitness(i) * fitness(i); };
   auto& extent = part.extent;
+  const auto quantiles = [&](Order order, const auto& weight, double total, double low, double high) {
+    return weighted_quantiles(part.first[order], next_[order], values(order), weight, total, low, high);
+  };
   std::tie(extent.near_m, extent.far_m) =
-      weighted_quantiles(part.nearest, farther_, flies_->range_m, squared_fitness, part.squared_fitness, near_quantile,
-                         std::max(near_quantile, kFarQuantile));
-  const auto [right, left] =
-      weighted_quantiles(part.rightmost, farther_left_, flies_->tangent, fitness, part.fitness, kLowEdge, kHighEdge);
+      quantiles(kByRange, squared_fitness, part.squared_fitness, near_quantile, std::max(near_quantile, kFarQuantile));
+  const auto [right, left] = quantiles(kByAzimuth, fitness, part.fitness, kLowEdge, kHighEdge);
   extent.right_rad = std::atan(right);
   extent.left_rad = std::atan(left);
-  std::tie(extent.bottom_m, extent.top_m) =
-      weighted_quantiles(part.lowest, higher_, flies_->height_m, fitness, part.fitness, kLowEdge, kHighEdge);
+  std::tie(extent.bottom_m, extent.top_m) = quantiles(kByHeight, fitness, part.fitness, kLowEdge, kHighEdge);
+}
+
+std::span<const float> ObjectParts::values(Order order) const {
+  const std::array<std::span<const float>, kOrders> all = {flies_->range_m, flies_->tangent, flies_->height_m};
+  return all[order];
+}
+
+void ObjectParts::find_owned(std::span<const std::uint32_t> owner) {
+  // Every fly is written, and overwritten by the next one unless somebody owns it: a branch would be mispredicted.
+  owned_.resize(owner.size());
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < owner.size(); ++i) {
+    owned_[count] = i;
+    count += owner[i] != kNone ? 1 : 0;
+  }
+  owned_.resize(count);
+}
+
+void ObjectParts::sum_up(std::span<const std::uint32_t> owner) {
+  for (auto fly = owned_.rbegin(); fly != owned_.rend(); ++fly) {
+    auto& part = parts_[owner[*fly]];
+    const double fitness = flies_->fitness[*fly];
+    ++part.flies;
+    part.fitness += fitness;
+    part.squared_fitness += fitness * fitness;
+  }
+}
+
+void ObjectParts::link(Order order, std::span<const std::uint32_t> owner) {
+  // The last in the order is linked first: each fly goes before those of its part that are linked already.
+  auto& next = next_[order];
+  next.resize(flies_->size());
+  const auto prepend = [&](std::uint32_t fly) { next[fly] = std::exchange(parts_[owner[fly]].first[order], fly); };
+  if (order == kByAzimuth) {  // the order that sightings come in
+    std::for_each(owned_.rbegin(), owned_.rend(), prepend);
+    return;
+  }
+  values_.resize(owned_.size());
+  for (std::size_t k = 0; k < owned_.size(); ++k) values_[k] = values(order)[owned_[k]];
+  const auto ascending = order_.find(values_);
+  for (auto k = owned_.size(); k-- > 0;) prepend(owned_[ascending[k]]);
 }
 
 void ObjectParts::gather(const Sightings& flies, std::span<const Candidate> candidates,
@@ -137,37 +178,9 @@ void ObjectParts::gather(const Sightings& flies, std::span<const Candidate> cand
   flies_ = &flies;
   parts_.clear();
   for (const auto& candidate : candidates) parts_.emplace_back().candidate = candidate;
-  for (auto* chain : {&farther_, &farther_left_, &higher_}) chain->resize(flies.size());
-
-  // Every fly is written, and overwritten by the next one unless somebody owns it: a branch would be mispredicted.
-  owned_.resize(flies.size());
-  std::size_t count = 0;
-  for (std::uint32_t i = 0; i < flies.size(); ++i) {
-    owned_[count] = i;
-    count += owner[i] != kNone ? 1 : 0;
-  }
-  owned_.resize(count);
-  // Each fly goes before those of its part that are chained already: the last in the order is chained first.
-  const auto chain_up = [&](std::uint32_t fly, std::uint32_t Part::*first, Chain& next) {
-    next[fly] = std::exchange(parts_[owner[fly]].*first, fly);
-  };
-  for (auto k = count; k-- > 0;) {
-    chain_up(owned_[k], &Part::rightmost, farther_left_);
-    auto& part = parts_[owner[owned_[k]]];
-    const double fitness = flies.fitness[owned_[k]];
-    ++part.flies;
-    part.fitness += fitness;
-    part.squared_fitness += fitness * fitness;
-  }
-  const auto chain_in_order_of = [&](std::span<const float> values, std::uint32_t Part::*first, Chain& next) {
-    values_.resize(count);
-    for (std::size_t k = 0; k < count; ++k) values_[k] = values[owned_[k]];
-    const auto ascending = order_.find(values_);
-    for (auto k = count; k-- > 0;) chain_up(owned_[ascending[k]], first, next);
-  };
-  chain_in_order_of(flies.range_m, &Part::nearest, farther_);
-  chain_in_order_of(flies.height_m, &Part::lowest, higher_);
-
+  find_owned(owner);
+  sum_up(owner);
+  for (const auto order : {kByAzimuth, kByRange, kByHeight}) link(order, owner);
   std::erase_if(parts_, [](const Part& part) { return part.flies == 0; });
   for (auto& part : parts_) measure(part, near_quantile);
 }
@@ -177,9 +190,8 @@ void ObjectParts::join(Part& part, Part& other, double near_quantile) {
   part.flies += std::exchange(other.flies, 0);  // marks the other as joined
   part.fitness += other.fitness;
   part.squared_fitness += other.squared_fitness;
-  part.nearest = merge(part.nearest, other.nearest, flies_->range_m, farther_);
-  part.rightmost = merge(part.rightmost, other.rightmost, flies_->tangent, farther_left_);
-  part.lowest = merge(part.lowest, other.lowest, flies_->height_m, higher_);
+  for (const auto order : {kByRange, kByAzimuth, kByHeight})
+    part.first[order] = merge(part.first[order], other.first[order], values(order), next_[order]);
   measure(part, near_quantile);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -24,22 +25,24 @@ struct Extent {
   double azimuth_rad() const { return 0.5 * (right_rad + left_rad); }
 };
 
-/// What ends a chain of flies, and who owns a fly that belongs to no candidate.
+/// What ends a list of flies, and who owns a fly that belongs to no candidate.
 inline constexpr std::uint32_t kNone = UINT32_MAX;
+
+/// The values that flies are kept in ascending order of.
+enum Order : std::size_t { kByRange, kByAzimuth, kByHeight, kOrders };
 
 /// A candidate with the flies that belong to it: an object, or a part of one until it is joined to others.
 struct Part {
-  Candidate candidate;           ///< the densest of those joined
-  Extent extent;                 ///< of its flies
-  std::size_t flies = 0;         ///< how many
-  double fitness = 0.0;          ///< summed over its flies
-  double squared_fitness = 0.0;  ///< likewise
-  /// The first of its flies in the chains by range, azimuth and height.
-  std::uint32_t nearest = kNone, rightmost = kNone, lowest = kNone;
+  Candidate candidate;                                               ///< the densest of those joined
+  Extent extent;                                                     ///< of its flies
+  std::size_t flies = 0;                                             ///< how many
+  double fitness = 0.0;                                              ///< summed over its flies
+  double squared_fitness = 0.0;                                      ///< likewise
+  std::array<std::uint32_t, kOrders> first = {kNone, kNone, kNone};  ///< the nearest, rightmost and lowest of its flies
 };
 
-/// The parts and their flies. The flies of a part are three chains, each sorted by a value, so that joining parts is
-/// merging chains and needs no memory. Keeps what it has from call to call.
+/// The parts and their flies. The flies of a part are a linked list in each order, so that joining parts is merging
+/// lists and needs no memory. Keeps what it has from call to call.
 class ObjectParts {
  public:
   void reserve(std::size_t flies, std::size_t candidates);
@@ -59,7 +62,7 @@ class ObjectParts {
   /// Calls `use` with the index, into the sightings, of each fly of the part.
   template <class Use>
   void for_each_fly(const Part& part, const Use& use) const {
-    for (auto i = part.rightmost; i != kNone; i = farther_left_[i]) use(i);
+    for (auto i = part.first[kByAzimuth]; i != kNone; i = next_[kByAzimuth][i]) use(i);
   }
 
  private:
@@ -70,15 +73,18 @@ class ObjectParts {
 
     auto operator<=>(const Neighbours&) const = default;
   };
-  using Chain = std::vector<std::uint32_t>;  ///< the next fly after each, or kNone
 
+  void find_owned(std::span<const std::uint32_t> owner);
+  void sum_up(std::span<const std::uint32_t> owner);
+  void link(Order order, std::span<const std::uint32_t> owner);
+  std::span<const float> values(Order order) const;
   void measure(Part& part, double near_quantile) const;
   void join(Part& part, Part& other, double near_quantile);
 
   const Sightings* flies_ = nullptr;
   std::vector<Part> parts_;
-  Chain farther_, farther_left_, higher_;
-  std::vector<std::uint32_t> owned_;  ///< the flies that a part owns, and a value of each
+  std::array<std::vector<std::uint32_t>, kOrders> next_;  ///< fly of the same part after each, or `kNone`
+  std::vector<std::uint32_t> owned_;  ///< the flies that a part owns, from right to left, and a value of each
   std::vector<float> values_;
   AscendingOrder order_;
   std::vector<Neighbours> neighbours_;

@@ -30,27 +30,27 @@ void Sightings::resize(std::size_t count) {
 
 void FlySighter::reserve(std::size_t flies) {
   order_.reserve(flies);
-  heard_.reserve(flies);
+  counted_.reserve(flies);
   tangent_.reserve(flies);
 }
 
 void FlySighter::sight(const Population& flies, const RoadPlane& road, const FieldOptions& field,
                        Sightings& sightings) {
   // Every fly is written, and overwritten by the next one unless it has a say: a branch would be mispredicted.
-  heard_.resize(flies.size());
+  counted_.resize(flies.size());
   std::size_t count = 0;
   for (std::size_t i = 0; i < flies.size(); ++i) {
-    heard_[count] = static_cast<std::uint32_t>(i);
+    counted_[count] = static_cast<std::uint32_t>(i);
     count += has_say(flies, road, field, i);
   }
-  heard_.resize(count);
+  counted_.resize(count);
   tangent_.resize(count);
-  for (std::size_t k = 0; k < count; ++k) tangent_[k] = flies.y_m[heard_[k]] / flies.x_m[heard_[k]];
+  for (std::size_t k = 0; k < count; ++k) tangent_[k] = flies.y_m[counted_[k]] / flies.x_m[counted_[k]];
 
   sightings.resize(count);
   const auto from_right = order_.find(tangent_);
   for (std::size_t k = 0; k < count; ++k) {
-    const auto i = heard_[from_right[k]];
+    const auto i = counted_[from_right[k]];
     const float x = flies.x_m[i], y = flies.y_m[i];
     sightings.fly[k] = i;
     sightings.tangent[k] = tangent_[from_right[k]];

@@ -11,7 +11,8 @@
 
 namespace flies {
 
-/// Flies as a laser scanner on the left camera would have measured them, from right to left. A structure of arrays, in
+/// Flies as a laser scanner on the left camera would have measured them, from right to left: a sighting is one such
+/// measurement. A structure of arrays, in
 /// the precision of the flies themselves.
 struct Sightings {
   std::vector<std::uint32_t> fly;  ///< index into the population
@@ -26,20 +27,20 @@ struct Sightings {
   void resize(std::size_t count);
 };
 
-/// Sights flies, keeping memory from call to call.
+/// Turns flies into sightings, keeping memory from call to call.
 class FlySighter {
  public:
   void reserve(std::size_t flies);
 
-  /// Sights the flies that have a say: those with fitness in the field of detection (crossover may have borne others),
+  /// Takes the flies that count: those with fitness in the field of detection (crossover may have made others),
   /// whose `x_min_m` must be positive.
   /// @param sightings is filled
   void sight(const Population& flies, const RoadPlane& road, const FieldOptions& field, Sightings& sightings);
 
  private:
   AscendingOrder order_;
-  std::vector<std::uint32_t> heard_;  ///< the flies that have a say, in the order of the population
-  std::vector<float> tangent_;        ///< of their azimuths
+  std::vector<std::uint32_t> counted_;  ///< the flies that count, in the order of the population
+  std::vector<float> tangent_;          ///< of their azimuths
 };
 
 }  // namespace flies

@@ -55,8 +55,8 @@ struct StereoPoint {
   double disparity_px = 0.0;  ///< u_left - u_right, > 0 for points before infinity when both cx are equal
 };
 
-/// Projection between the vehicle frame and the two images (METHOD section "Frames and projection", with pitch and
-/// roll added). Built once for a camera; cheap to copy.
+/// Projection between the vehicle frame and the two images (Li 2010, II.A, with pitch and
+/// roll added). Built once for a camera; cheap to copy. Threads: constant after construction; any threads at once.
 class Projection {
  public:
   explicit Projection(const StereoCamera& camera);

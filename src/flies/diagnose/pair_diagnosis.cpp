@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "flies/diagnose/median.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/road/road.hpp"
 
 namespace flies {
@@ -99,9 +99,9 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
     if (pair.rows) rows.push_back(*pair.rows);
     roads += pair.road_found;
   }
-  run.textured_share = upper_median(std::move(textured));
-  run.dark_share = upper_median(std::move(dark));
-  run.bright_share = upper_median(std::move(bright));
+  run.textured_share = median_of(std::move(textured));
+  run.dark_share = median_of(std::move(dark));
+  run.bright_share = median_of(std::move(bright));
   run.rows = median_row_error(rows);
   run.road_found = roads > 0;
   return run;

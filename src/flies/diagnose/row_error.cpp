@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "flies/diagnose/median.hpp"
+#include "flies/core/quantile.hpp"
 
 namespace flies {
 namespace {
@@ -63,11 +63,11 @@ std::optional<RowError> fit_row_error(std::span<const CornerMatch> corners, int 
   const auto rows = [](const CornerMatch& corner) { return corner.right_v_px - corner.v_px; };
   std::vector<double> differences;
   for (const auto& corner : corners) differences.push_back(rows(corner));
-  error.offset_px = upper_median(differences);
+  error.offset_px = median_of(differences);
   for (int round = 0; round < kRounds; ++round) {
     std::vector<double> residuals;
     for (const auto& corner : corners) residuals.push_back(std::abs(rows(corner) - error.at(corner.u_px)));
-    const double scatter_px = upper_median(residuals);
+    const double scatter_px = median_of(residuals);
     const double limit_px = std::clamp(kAgreesScatters * scatter_px, kAgrees_px, kAgreesMost_px);
     double n = 0, su = 0, suu = 0, sd = 0, sud = 0;
     std::vector<double> agreeing;
@@ -84,7 +84,7 @@ std::optional<RowError> fit_row_error(std::span<const CornerMatch> corners, int 
     error.slope = (n * sud - su * sd) / determinant;
     error.offset_px = (sd - error.slope * su) / n;
     error.corners = static_cast<int>(agreeing.size());
-    error.scatter_px = upper_median(std::move(agreeing));
+    error.scatter_px = median_of(std::move(agreeing));
   }
   if (error.corners < kMinAgreeingShare * static_cast<double>(corners.size())) return std::nullopt;
   return error;
@@ -92,15 +92,15 @@ std::optional<RowError> fit_row_error(std::span<const CornerMatch> corners, int 
 
 std::optional<RowError> median_row_error(std::span<const RowError> errors) {
   if (errors.empty()) return std::nullopt;
-  const auto median_of = [&](auto member) {
+  const auto middle = [&](auto member) {
     std::vector<double> values;
     for (const auto& error : errors) values.push_back(error.*member);
-    return upper_median(std::move(values));
+    return median_of(std::move(values));
   };
   RowError result = errors.front();
-  result.offset_px = median_of(&RowError::offset_px);
-  result.slope = median_of(&RowError::slope);
-  result.scatter_px = median_of(&RowError::scatter_px);
+  result.offset_px = middle(&RowError::offset_px);
+  result.slope = middle(&RowError::slope);
+  result.scatter_px = middle(&RowError::scatter_px);
   return result;
 }
 

@@ -168,12 +168,14 @@ TEST(DrawHistogram, MarksSampleAndObject) {
   EXPECT_EQ(draw_histograms(std::vector{plot, plot}).cols, 2 * marked.cols);
 }
 
-TEST(DrawConcentrating, PutsARedCrossOnWhatWasKept) {
+TEST(DrawConcentrating, PutsAGreenDiscOnWhatWasKeptAndARedCrossOnWhatWasNot) {
   ConcentrateResult result;
   result.shifted.push_back({{300, 60}, {320, 60}});
   result.candidates.push_back({{320, 60}, {10, 0}, 1.0, true});
+  result.candidates.push_back({{350, 60}, {10, 0}, 1.0, false});
   const cv::Mat picture = draw_concentrating(kStreet, result);
-  EXPECT_TRUE(is_red(picture.at<cv::Vec3b>(60, 320)));
+  EXPECT_EQ(picture.at<cv::Vec3b>(60, 320), (cv::Vec3b{60, 200, 0}));
+  EXPECT_TRUE(is_red(picture.at<cv::Vec3b>(60, 350)));
 }
 
 TEST(DrawAll, TakeEmptyInputsAndOnePixelWideImages) {

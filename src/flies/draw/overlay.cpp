@@ -99,29 +99,37 @@ cv::Mat draw_overlay(const cv::Mat& left, const std::vector<Obstacle>& obstacles
 cv::Mat draw_concentrating(const cv::Mat& left, const ConcentrateResult& result, const std::vector<Roi>& rois) {
   cv::Mat canvas = with_strip(left, kStripHeight_px, kConcentratingMinWidth_px);
   cv::Mat image = canvas(image_area(left));
-  const cv::Scalar window_color{255, 200, 0};
+  const cv::Scalar box_color{200, 200, 200}, sample_color{0, 230, 255};
+  const auto put_sample = [&](cv::Mat& onto, cv::Point at) {
+    cv::circle(onto, at, 3, kBlack, cv::FILLED, cv::LINE_AA);
+    cv::circle(onto, at, 2, sample_color, cv::FILLED, cv::LINE_AA);
+  };
+  const auto put_kept = [&](cv::Mat& onto, cv::Point at) {
+    cv::circle(onto, at, 7, kBlack, cv::FILLED, cv::LINE_AA);
+    cv::circle(onto, at, 6, kGreen, cv::FILLED, cv::LINE_AA);
+  };
+  const auto put_discarded = [&](cv::Mat& onto, cv::Point at) {
+    cv::drawMarker(onto, at, kBlack, cv::MARKER_TILTED_CROSS, 10, 3);
+    cv::drawMarker(onto, at, kRed, cv::MARKER_TILTED_CROSS, 9, 1);
+  };
   if (!image.empty()) {
-    for (const auto& roi : one_per_obstacle(rois)) cv::rectangle(image, pixel_rect(roi.window), window_color, 1);
-    for (const auto& point : result.shifted) {
-      cv::circle(image, pixel(point.start.u_px, point.start.v_px), 5, kBlack, 2, cv::LINE_AA);
-      cv::circle(image, pixel(point.start.u_px, point.start.v_px), 5, kGreen, 1, cv::LINE_AA);
-    }
-    for (const auto& candidate : result.candidates) {
-      const cv::Point at = pixel(candidate.pixel.u_px, candidate.pixel.v_px);
-      if (candidate.kept) cv::drawMarker(image, at, kBlack, cv::MARKER_TILTED_CROSS, 14, 4);
-      cv::drawMarker(image, at, candidate.kept ? kRed : kGray, cv::MARKER_TILTED_CROSS, candidate.kept ? 13 : 7,
-                     candidate.kept ? 2 : 1);
-    }
+    for (const auto& roi : one_per_obstacle(rois)) cv::rectangle(image, pixel_rect(roi.window), box_color, 1);
+    for (const auto& point : result.shifted) put_sample(image, pixel(point.start.u_px, point.start.v_px));
+    for (const bool kept : {false, true})
+      for (const auto& candidate : result.candidates)
+        if (candidate.kept == kept)
+          (kept ? put_kept(image, pixel(candidate.pixel.u_px, candidate.pixel.v_px))
+                : put_discarded(image, pixel(candidate.pixel.u_px, candidate.pixel.v_px)));
   }
   const int middle = left.rows + kStripHeight_px / 2;
-  cv::circle(canvas, {14, middle}, 5, kGreen, 1, cv::LINE_AA);
-  put_text(canvas, "sample point", {24, middle + 4}, kWhite);
-  cv::drawMarker(canvas, {132, middle}, kRed, cv::MARKER_TILTED_CROSS, 13, 2);
-  put_text(canvas, "object kept", {144, middle + 4}, kWhite);
-  cv::drawMarker(canvas, {242, middle}, kGray, cv::MARKER_TILTED_CROSS, 7, 1);
-  put_text(canvas, "discarded", {251, middle + 4}, kWhite);
-  cv::rectangle(canvas, cv::Rect(336, middle - 9, 9, 18), window_color, 1);
-  put_text(canvas, "box to classify, one an object", {352, middle + 4}, kWhite);
+  put_kept(canvas, {14, middle});
+  put_text(canvas, "obstacle", {26, middle + 4}, kWhite);
+  put_discarded(canvas, {104, middle});
+  put_text(canvas, "discarded", {114, middle + 4}, kWhite);
+  put_sample(canvas, {198, middle});
+  put_text(canvas, "sample point: fullest range of a view-angle", {208, middle + 4}, kWhite);
+  cv::rectangle(canvas, cv::Rect(530, middle - 9, 9, 18), box_color, 1);
+  put_text(canvas, "looked at for a person, one box an obstacle", {546, middle + 4}, kWhite);
   return canvas;
 }
 

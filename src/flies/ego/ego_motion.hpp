@@ -70,7 +70,7 @@ EgoMotion given_ego_motion(double dt_s, double vx_mps, double vy_mps, double yaw
 
 /// Estimates the motion of the camera from pair to pair: corners get their depth from the pair, are followed into the
 /// next left image (Lucas-Kanade), and the motion is the one under which most of them stand still (consensus of random
-/// triples, then robust least squares of the reprojection). A deterministic function of the pairs so far.
+/// triples, then robust least squares of the reprojection). A function of the pairs so far. Threads: one at a time.
 class EgoEstimator {
  public:
   /// @throws InputError when the camera or an option is out of range

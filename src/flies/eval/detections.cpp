@@ -199,7 +199,7 @@ std::vector<ReportedFrame> parse_detections(std::string_view text, const std::st
 }
 
 std::vector<ReportedFrame> read_detections(const std::string& path) {
-  return parse_detections(detail::read_file(path), path);
+  return parse_detections(detail::read_truth(path), path);
 }
 
 std::vector<ReportedFrame> match_detections(std::vector<ReportedFrame> reported, const std::vector<PairPaths>& pairs,

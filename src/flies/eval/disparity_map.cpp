@@ -20,7 +20,7 @@ constexpr double kLevelsPerPixel = 256.0;
 }  // namespace
 
 std::vector<LidarPoint> read_disparity_map(const std::filesystem::path& file, const StereoCamera& camera) {
-  const std::string bytes = detail::read_file(file);
+  const std::string bytes = detail::read_truth(file);
   if (const std::string fault = detail::image_file_fault(bytes); !fault.empty())
     throw InputError(file.string(), "", fault);
   const cv::Mat map = decode_image(bytes);

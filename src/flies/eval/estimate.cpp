@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "flies/core/quantile.hpp"
 #include "flies/core/random.hpp"
 
 namespace flies {
@@ -45,12 +46,6 @@ std::map<MeasureKey, int> frames_with_value(std::size_t frames, std::size_t runs
   for (std::size_t frame = 0; frame < frames; ++frame)
     for (const auto& [key, values] : values_of_runs(runs, values_of, std::span(&frame, 1))) ++counts[key];
   return counts;
-}
-
-double quantile(std::vector<double>& values, double q) {
-  const auto at = values.begin() + std::lround(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 std::vector<std::size_t> draw_frames(std::size_t count, std::uint64_t seed, std::uint32_t resample) {

@@ -35,36 +35,36 @@ constexpr double kLeastProbability = 0.15;
 
 double stage_ms(const Detection& detection, Stage stage) { return detection.stage_ms[static_cast<std::size_t>(stage)]; }
 
-std::vector<MissedInRuns> missed_objects(const std::vector<FrameTruth>& truths, const std::vector<RunRecord>& runs) {
+/// The objects for which `is_missed(run, frame, object)` holds in any of the runs, and in how many.
+template <class Run, class IsMissed>
+std::vector<MissedInRuns> missed_in_runs(const std::vector<FrameTruth>& truths, const std::vector<Run>& runs,
+                                         IsMissed is_missed) {
   std::vector<MissedInRuns> missed;
   for (std::size_t f = 0; f < truths.size(); ++f) {
     for (std::size_t i = 0; i < truths[f].objects.size(); ++i) {
-      const auto count = std::count_if(runs.begin(), runs.end(), [&](const RunRecord& run) {
-        return run.scores[f].objects[i].counted && !run.scores[f].objects[i].found;
-      });
+      const auto count = std::count_if(runs.begin(), runs.end(), [&](const Run& run) { return is_missed(run, f, i); });
       if (count > 0) missed.push_back({truths[f].name, i, truths[f].objects[i], static_cast<int>(count)});
     }
   }
   return missed;
 }
 
+std::vector<MissedInRuns> missed_objects(const std::vector<FrameTruth>& truths, const std::vector<RunRecord>& runs) {
+  return missed_in_runs(truths, runs, [](const RunRecord& run, std::size_t frame, std::size_t object) {
+    const auto& verdict = run.scores[frame].objects[object];
+    return verdict.counted && !verdict.found;
+  });
+}
+
 std::vector<MissedInRuns> missed_people(const std::vector<FrameTruth>& truths, const std::vector<PeopleRun>& runs,
                                         double threshold) {
-  const auto is_found = [&](const PeopleFrame& frame, std::size_t object) {
-    return std::any_of(frame.verdicts.begin(), frame.verdicts.end(), [&](const PersonVerdict& verdict) {
-      return verdict.object == static_cast<int>(object) && verdict.person.probability > threshold;
-    });
-  };
-  std::vector<MissedInRuns> missed;
-  for (std::size_t f = 0; f < truths.size(); ++f) {
-    for (std::size_t i = 0; i < truths[f].objects.size(); ++i) {
-      const auto count = std::count_if(runs.begin(), runs.end(), [&](const PeopleRun& run) {
-        return run[f].roles[i] == PersonRole::counted && !is_found(run[f], i);
-      });
-      if (count > 0) missed.push_back({truths[f].name, i, truths[f].objects[i], static_cast<int>(count)});
-    }
-  }
-  return missed;
+  return missed_in_runs(truths, runs, [&](const PeopleRun& run, std::size_t frame, std::size_t object) {
+    const auto& verdicts = run[frame].verdicts;
+    return run[frame].roles[object] == PersonRole::counted &&
+           std::none_of(verdicts.begin(), verdicts.end(), [&](const PersonVerdict& verdict) {
+             return verdict.object == static_cast<int>(object) && verdict.person.probability > threshold;
+           });
+  });
 }
 
 /// Adds where each was lost.

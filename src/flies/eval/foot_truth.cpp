@@ -69,7 +69,7 @@ std::vector<FrameTruth> parse_foot_points(std::string_view text, const std::stri
 }
 
 std::vector<FrameTruth> read_foot_points(const std::filesystem::path& file, const StereoCamera& camera) {
-  return parse_foot_points(detail::read_file(file), file.string(), camera);
+  return parse_foot_points(detail::read_truth(file), file.string(), camera);
 }
 
 }  // namespace flies

@@ -9,6 +9,7 @@
 #include <opencv2/objdetect.hpp>
 #include <utility>
 
+#include "flies/classify/named_models.hpp"
 #include "flies/core/error.hpp"
 #include "flies/eval/people.hpp"
 

@@ -10,6 +10,7 @@
 
 #include "flies/io/images.hpp"
 #include "flies/io/temporary_folder.hpp"
+#include "flies/io/test_data.hpp"
 
 namespace flies {
 namespace {
@@ -48,14 +49,13 @@ TEST(DetectPeopleByHog, FindsNobodyInAWall) {
 
 /// Needs a photograph of a person, which cannot be made up.
 TEST(DetectPeopleByHog, FindsAPersonOfTheRightHeightWhereItStands) {
-  const auto data = testing::test_data();
-  if (!data) GTEST_SKIP() << "no real data in ../shared/data or FLIES_TEST_DATA";
-  const auto folder = *data / "people/train/positives/inria";
-  if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << folder << " is not there";
+  const char* photographs = "people/train/positives/inria";
+  const auto folder = testing::find_data(photographs);
+  if (!folder) GTEST_SKIP() << testing::absence(photographs);
   // Dozens of windows with people 96 px high, each in the middle of a grey picture.
   constexpr int kWidth_px = 320, kHeight_px = 240, kLeft_px = 120, kTop_px = 90, kPictures = 30;
   int pictures = 0, found_right = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+  for (const auto& entry : std::filesystem::directory_iterator(*folder)) {
     if (pictures++ == kPictures) break;
     const GrayImage window = load_gray_image(entry.path().string());
     cv::Mat image(kHeight_px, kWidth_px, CV_8UC1, cv::Scalar(110));

@@ -42,7 +42,7 @@ std::vector<KittiMotion> read_kitti_motion(const std::filesystem::path& drive) {
   for (std::size_t i = 0; i < times_s.size(); ++i) {
     const auto path = drive / "oxts" / "data" / fmt::format("{:010}.txt", i);
     if (i > 0 && !std::filesystem::exists(path)) break;  // the beginning of a drive: its times are all there
-    std::istringstream words(detail::read_file(path));
+    std::istringstream words(detail::read_truth(path));
     std::vector<double> values;
     for (std::string word; words >> word;)
       values.push_back(detail::parse_number(word, path.string(), fmt::format("number {}", values.size() + 1)));

@@ -77,7 +77,7 @@ LidarPlace read_object_place(const std::filesystem::path& file) {
 std::vector<LidarPoint> read_lidar(const std::filesystem::path& path, const LidarPlace& place,
                                    const StereoCamera& camera) {
   if (!std::filesystem::exists(path)) return {};
-  const std::string bytes = detail::read_file(path);
+  const std::string bytes = detail::read_truth(path);
   constexpr std::size_t kRecord = 4 * sizeof(float);  // x y z reflectance
   if (bytes.size() % kRecord != 0) {
     throw InputError(path.string(), "", fmt::format("found {} bytes, expected a multiple of 16", bytes.size()));
@@ -207,7 +207,7 @@ KittiDrive::KittiDrive(const std::filesystem::path& drive, const StereoCamera& c
     : drive_(drive), camera_(camera), place_(read_drive_place(drive.parent_path(), left_camera)) {
   check_has_size(camera);
   const auto tracklets = drive / "tracklet_labels.xml";
-  poses_ = parse_tracklets(detail::read_file(tracklets), tracklets.string());
+  poses_ = parse_tracklets(detail::read_truth(tracklets), tracklets.string());
 }
 
 FrameTruth KittiDrive::read(const std::string& name) const {
@@ -252,7 +252,7 @@ FrameTruth read_kitti_object(const std::filesystem::path& folder, const std::str
   truth.frame = all_digits ? detail::parse_whole_number(name, label_path.string(), "file name") : 0;
   truth.lidar = read_lidar(folder / "velodyne" / (name + ".bin"), place, camera);
   int line = 0;
-  for (const auto& label : parse_labels(detail::read_file(label_path), label_path.string())) {
+  for (const auto& label : parse_labels(detail::read_truth(label_path), label_path.string())) {
     if (label.type == "DontCare") {
       truth.ignored_regions.push_back(label.box);
       continue;

@@ -9,6 +9,8 @@
 #include <limits>
 #include <optional>
 
+#include "flies/core/box_overlap.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/eval/score.hpp"
 
 namespace flies {
@@ -23,14 +25,6 @@ ImageBox standardised(const ImageBox& box) {
   const double width_px = kAspect * box.height_px;
   return {box.u_px + (box.width_px - width_px) / 2.0, box.v_px, width_px, box.height_px};
 }
-
-double intersection_px2(const ImageBox& a, const ImageBox& b) {
-  const double width = std::min(a.u_px + a.width_px, b.u_px + b.width_px) - std::max(a.u_px, b.u_px);
-  const double height = std::min(a.v_px + a.height_px, b.v_px + b.height_px) - std::max(a.v_px, b.v_px);
-  return std::max(0.0, width) * std::max(0.0, height);
-}
-
-double area_px2(const ImageBox& box) { return box.width_px * box.height_px; }
 
 bool lies_in(const ImageBox& box, const ImageBox& region) {
   return area_px2(box) > 0.0 && intersection_px2(box, region) >= kInIgnored * area_px2(box);
@@ -68,11 +62,10 @@ void measure_hit(const FrameTruth& truth, const LabelledObject& object, PersonVe
       std::hypot(person.x_m - near_m * std::cos(azimuth_rad), person.y_m - near_m * std::sin(azimuth_rad));
 }
 
-constexpr std::array<double, 5> kBands_m = {0.0, 10.0, 20.0, 30.0, 40.0};
-
-/// Ends of the bands up to the farthest person to be found, and beyond.
+/// Ends of the bands up to the farthest person to be found; all nearer than 10 m are one band.
 std::vector<double> band_ends_m(const PeopleOptions& options) {
-  std::vector<double> ends(kBands_m.begin(), kBands_m.end());
+  std::vector<double> ends(kRangeBands_m.begin(), kRangeBands_m.end());
+  ends.front() = 0.0;
   std::erase_if(ends, [&](double end) { return end >= options.max_range_m; });
   ends.push_back(options.max_range_m);
   return ends;
@@ -151,12 +144,6 @@ std::vector<ErrorPoint> curve_of(const Reports& reports) {
           {false_alarms / static_cast<double>(reports.frames), 1.0 - hits / static_cast<double>(reports.people)});
   }
   return points;
-}
-
-double quantile(std::vector<double>& values, double q) {
-  const auto at = values.begin() + std::lround(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 /// What is measured over the hits above the threshold.

@@ -81,7 +81,7 @@ FrameTruth parse_scene_truth(std::string_view text, const std::string& source) {
 }
 
 FrameTruth read_scene_truth(const std::filesystem::path& file) {
-  FrameTruth truth = parse_scene_truth(detail::read_file(file), file.string());
+  FrameTruth truth = parse_scene_truth(detail::read_truth(file), file.string());
   truth.name = file.stem().string();
   return truth;
 }

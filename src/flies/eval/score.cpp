@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "flies/core/quantile.hpp"
+
 namespace flies {
 namespace {
 
@@ -17,12 +19,6 @@ int lidar_points_near(const FrameTruth& truth, const Obstacle& obstacle, const M
     return lidar.above_road_m >= options.min_above_road_m && lidar.above_road_m <= options.max_above_road_m &&
            std::hypot(lidar.point.x_m - obstacle.x_m, lidar.point.y_m - obstacle.y_m) <= radius_m;
   }));
-}
-
-double quantile(std::vector<double> values, double q) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 /// The object that the obstacle was reported for, -1 for none.

@@ -9,7 +9,7 @@
 
 namespace flies {
 
-/// When an obstacle and the truth agree (METHOD section 7). Distances are horizontal.
+/// When an obstacle and the truth agree (docs/evaluation.md). Distances are horizontal.
 struct MatchOptions {
   double radius_m = 0.75;
   double radius_per_range = 0.05;

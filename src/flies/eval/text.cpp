@@ -4,18 +4,16 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
+#include "flies/io/text_file.hpp"
 
 namespace flies::detail {
 
-std::string read_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path)) throw InputError(path.string(), "", "cannot be read");
-  return {std::istreambuf_iterator<char>(file), {}};
+std::string read_truth(const std::filesystem::path& path) {
+  constexpr std::size_t kMax_bytes = std::size_t{1} << 30;
+  return read_bytes(path.string(), kMax_bytes);
 }
 
 double parse_number(std::string_view text, const std::string& source, const std::string& field) {

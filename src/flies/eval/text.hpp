@@ -7,9 +7,8 @@
 /// Reading of the small text files that truth comes in.
 namespace flies::detail {
 
-/// The whole file, which may be empty: a picture without labels, a scan without returns. @throws InputError when it
-/// cannot be read
-std::string read_file(const std::filesystem::path& path);
+/// The bytes of a file of truth, which may be empty. @throws InputError when it cannot be read or has more than 1 GiB
+std::string read_truth(const std::filesystem::path& path);
 
 /// Labels hold metres, pixels and counts of frames. Larger numbers are damage, and would overflow what is computed from
 /// them.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "flies/core/convert.hpp"
+#include "flies/core/quantile.hpp"
 
 namespace flies {
 namespace {
@@ -57,12 +58,6 @@ Plane refine(const Plane& plane, std::span<const Point3> points, double gate_m) 
     solution[k] = determinant(replaced) / full;
   }
   return {solution[0], solution[1], solution[2]};
-}
-
-double quantile(std::vector<double>& values, double q) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 using Cell = std::pair<int, int>;

@@ -36,7 +36,7 @@ BoxesOfPairs parse_unlabelled(std::string_view text, const std::string& source) 
 }
 
 BoxesOfPairs read_unlabelled(const std::filesystem::path& file) {
-  return parse_unlabelled(detail::read_file(file), file.string());
+  return parse_unlabelled(detail::read_truth(file), file.string());
 }
 
 Dataset with_unlabelled(Dataset dataset, BoxesOfPairs boxes, const std::string& source) {

@@ -11,6 +11,7 @@
 #include "flies/classify/people_classifier.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/io/temporary_folder.hpp"
+#include "flies/io/test_data.hpp"
 
 namespace flies {
 namespace {
@@ -132,9 +133,8 @@ TEST(DrawWindows, AreNoneInASmallPicture) {
 /// Data that OpenCV's detectors were measured on beforehand, with ten times as many windows without people: 94.8 and
 /// 89.3 % at 1e-2 and 1e-3 false positives a window.
 TEST(ScoreWindows, AgreesWithWhatIsKnownOfOpenCvsDetector) {
-  const auto root = testing::test_data();
-  if (!root || !fs::is_directory(*root / "people/test"))
-    GTEST_SKIP() << "no people/test in ../shared/data or FLIES_TEST_DATA";
+  const auto folder = testing::find_data("people/test");
+  if (!folder) GTEST_SKIP() << testing::absence("people/test");
   // 204 and 20 windows decide: a few points more or less from draw to draw.
   constexpr double kTolerance2 = 0.025, kTolerance3 = 0.05;
   constexpr double kFalsePositives[] = {1e-2, 1e-3};
@@ -142,7 +142,7 @@ TEST(ScoreWindows, AgreesWithWhatIsKnownOfOpenCvsDetector) {
                                                                                    std::span<const ImageBox> windows) {
     return model->classify(image, windows);
   };
-  const auto scores = score_windows(open_window_data(*root / "people/test"), {&classifier, 1}, {.negatives = 20400});
+  const auto scores = score_windows(open_window_data(*folder), {&classifier, 1}, {.negatives = 20400});
   const auto rates = detection_rates(scores.front(), kFalsePositives, {.resamples = 0});
   EXPECT_NEAR(rates.at(0).rate, 0.948, kTolerance2);
   EXPECT_NEAR(rates.at(1).rate, 0.893, kTolerance3);

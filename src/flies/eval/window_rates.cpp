@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "flies/core/quantile.hpp"
 #include "flies/core/random.hpp"
 
 namespace flies {
@@ -65,12 +66,6 @@ std::vector<Rate> rates_above(double threshold, std::span<const Positive> positi
       ++rates[i].total;
     }
   return rates;
-}
-
-double quantile(std::vector<double>& values, double q) {
-  const auto at = values.begin() + std::lround(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 /// Values of the resamples by [wanted rate][set].

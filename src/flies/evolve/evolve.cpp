@@ -23,7 +23,7 @@ std::size_t part_of(double share, std::size_t count) {
   return static_cast<std::size_t>(std::lround(share * static_cast<double>(count)));
 }
 
-/// Everything that births share.
+/// What making any new fly needs.
 struct Scene {
   const Habitat& habitat;
   const EvolveOptions& options;
@@ -32,16 +32,16 @@ struct Scene {
 
 /// Which of `count` new flies are of which kind, in this order: steered, crossed, drawn anew, and mutated the rest.
 /// Counts instead of lots: the shares are exact and flies of one kind are made in a row.
-struct Brood {
+struct OffspringKinds {
   std::size_t steered_end = 0, crossed_end = 0, spawned_end = 0;
 };
 
-Brood first_brood(const Scene& scene, std::size_t count) {
+OffspringKinds first_offspring(const Scene& scene, std::size_t count) {
   const auto steered = scene.steer_towards.empty() ? 0 : part_of(scene.options.steering_share, count);
   return {steered, steered, count};
 }
 
-Brood child_brood(const Scene& scene, std::size_t parents, std::size_t children) {
+OffspringKinds later_offspring(const Scene& scene, std::size_t parents, std::size_t children) {
   const auto& options = scene.options;
   const double steering_share = scene.steer_towards.empty() ? 0.0 : options.steering_share;
   if (parents == 0) return {0, 0, children};
@@ -50,44 +50,44 @@ Brood child_brood(const Scene& scene, std::size_t parents, std::size_t children)
           part_of(crossed_share + options.immigration_share, children)};
 }
 
-/// Which draws births are made of.
-struct Chance {
+/// Where the draws of new flies come from.
+struct RandomStream {
   const RandomSource& source;
   std::uint32_t purpose, generation;
 
   FlyRange range(std::size_t first, std::size_t count) const {
     return {source.seed, source.frame * kPurposes + purpose, generation, static_cast<std::uint32_t>(first), count};
   }
-  Chance scouts() const { return {source, purpose + kScouts, generation}; }
+  RandomStream scouts() const { return {source, purpose + kScouts, generation}; }
   FlyDraws draws(std::size_t fly) const {
     const auto all = range(fly, 1);
     return {all.seed, all.purpose, all.generation, all.first};
   }
 };
 
-/// Makes the new flies [begin, end), which are part of a brood that follows `parents` survivors.
-void breed(const Scene& scene, const Brood& brood, std::size_t parents, double mutation_scale, const Chance& chance,
-           std::size_t begin, std::size_t end, ImagePopulation& flies) {
+/// Makes the new flies [begin, end), part of offspring that follow `parents` survivors.
+void make_offspring(const Scene& scene, const OffspringKinds& kinds, std::size_t parents, double mutation_scale,
+                    const RandomStream& stream, std::size_t begin, std::size_t end, ImagePopulation& flies) {
   const auto& [habitat, options, steer_towards] = scene;
   std::size_t i = begin;
   const auto any_parent = [&](std::uint32_t word) {
     return flies.point(below(word, static_cast<std::uint32_t>(parents)));
   };
-  for (; i < std::min(end, parents + brood.steered_end); ++i) {
-    auto draws = chance.draws(i);
+  for (; i < std::min(end, parents + kinds.steered_end); ++i) {
+    auto draws = stream.draws(i);
     flies.set(i, steer(habitat, steer_towards, draws));
   }
-  for (; i < std::min(end, parents + brood.crossed_end); ++i) {
-    const auto words = chance.draws(i).next();
+  for (; i < std::min(end, parents + kinds.crossed_end); ++i) {
+    const auto words = stream.draws(i).next();
     flies.set(i, cross(habitat, any_parent(words[0]), any_parent(words[1]), uniform(words[2])));
   }
-  if (const auto spawned_end = std::min(end, parents + brood.spawned_end); i < spawned_end) {
-    spawn(habitat, options, chance.range(i, spawned_end - i), i, flies);
-    scout(habitat, options.scouts, chance.scouts().range(i, spawned_end - i), i, flies);
+  if (const auto spawned_end = std::min(end, parents + kinds.spawned_end); i < spawned_end) {
+    spawn(habitat, options, stream.range(i, spawned_end - i), i, flies);
+    scout(habitat, options.scouts, stream.scouts().range(i, spawned_end - i), i, flies);
     i = spawned_end;
   }
   for (; i < end; ++i) {
-    auto draws = chance.draws(i);
+    auto draws = stream.draws(i);
     const auto parent = any_parent(draws.next()[0]);
     flies.set(i, mutate(habitat, options.mutation, mutation_scale, parent, draws));
   }
@@ -149,9 +149,10 @@ const EvolveResult& Evolver::evolve(const RectifiedPair& pair, const Projection&
   flies.resize(static_cast<std::size_t>(options.flies));
   result_.evaluations = 0;
 
-  const auto bear = [&](const Brood& brood, std::size_t parents, const Chance& chance, double mutation_scale) {
+  const auto make_all = [&](const OffspringKinds& kinds, std::size_t parents, const RandomStream& stream,
+                            double mutation_scale) {
     for_parts(parents, flies.size(), [&](std::size_t begin, std::size_t end) {
-      breed(scene, brood, parents, mutation_scale, chance, begin, end, flies);
+      make_offspring(scene, kinds, parents, mutation_scale, stream, begin, end, flies);
       score_part(pair, fitness, begin, end, flies);
     });
     result_.evaluations += flies.size() - parents;
@@ -163,7 +164,7 @@ const EvolveResult& Evolver::evolve(const RectifiedPair& pair, const Projection&
       if (rivalled_[i] != 0) flies.fitness[i] = 0.0F;
   };
 
-  bear(first_brood(scene, flies.size()), 0, {random, kFirstGeneration, 0}, 1.0);
+  make_all(first_offspring(scene, flies.size()), 0, {random, kFirstGeneration, 0}, 1.0);
   silence_rivalled();
   double mutation_scale = 1.0;
   for (int generation = 1; generation <= options.generations; ++generation) {
@@ -171,8 +172,8 @@ const EvolveResult& Evolver::evolve(const RectifiedPair& pair, const Projection&
     share_fitness(flies.fitness, crowding_, options.sharing.strength, shared_);
     select_fittest(shared_, part_of(options.keep_share, flies.size()), fittest_);
     keep(fittest_, flies);
-    bear(child_brood(scene, fittest_.size(), flies.size() - fittest_.size()), fittest_.size(),
-         {random, kChildren, static_cast<std::uint32_t>(generation)}, mutation_scale);
+    make_all(later_offspring(scene, fittest_.size(), flies.size() - fittest_.size()), fittest_.size(),
+             {random, kChildren, static_cast<std::uint32_t>(generation)}, mutation_scale);
     silence_rivalled();
     mutation_scale *= options.mutation.cooling;
   }

@@ -30,8 +30,8 @@ struct EvolveResult {
   std::size_t evaluations = 0;  ///< fitness evaluations spent
 };
 
-/// Spreads flies over the field of detection and lets them evolve towards visible surfaces (METHOD section
-/// "Evolution"). With 0 generations the flies are only spread and scored.
+/// Spreads flies over the field of detection and lets them evolve towards visible surfaces (Li 2010, II.A; Louchet
+/// 2001). With 0 generations the flies are only spread and scored.
 /// @param steer_towards obstacles of the previous pair, may be empty; see `EvolveOptions::steering_share`
 /// @throws InputError naming an option out of its range, or an image that is empty or of another size
 /// Runs on oneTBB's current arena; results do not depend on the number of threads.
@@ -40,7 +40,7 @@ EvolveResult evolve(const RectifiedPair& pair, const Projection& projection, con
                     const RandomSource& random, std::span<const Obstacle> steer_towards = {});
 
 /// The same for pair after pair. Keeps memory and nothing else from call to call: once it has seen a population of the
-/// size and images of the size, it allocates no more.
+/// size and images of the size, it allocates no more. Threads: one object serves one thread at a time.
 class Evolver {
  public:
   /// @returns a result that is valid until the next call

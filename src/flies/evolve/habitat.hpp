@@ -13,7 +13,7 @@ namespace flies {
 
 /// Where flies may live: in the field of detection and in the left image. Flies are places in the image here. Their
 /// coordinates in the vehicle frame are linear in (u, v), once multiplied by the nearness q = disparity minus that of
-/// infinity (METHOD section "Frames and projection", solved for the point), so that a test costs no division.
+/// infinity (Li 2010, II.A, solved for the point), so that a test costs no division.
 class Habitat {
  public:
   Habitat(const Projection& projection, const RectifiedPair& pair, const RoadPlane& road, const FieldOptions& field);

@@ -55,12 +55,13 @@ void find_rivalled(const ImagePopulation& flies, int width_px, int height_px, co
     memory.listed.resize(flies.size() + 1);
     memory.rivalled.assign(flies.size(), 0);
   }
-  std::atomic<bool> first_is_used = false;
+  // The two searches, in the left and in the right image, run side by side where there are two threads, each in its own
+  // memory. On one thread they run in turn, both in the first one's memory: it is in the caches already, and flies that
+  // the first search marked there are skipped by the second.
+  std::atomic<bool> first_memory_is_taken = false;
   const auto search = [&](float shift) {
-    // On one thread both searches use the memory that the caches hold already, and the second one skips the flies that
-    // the first one marked.
-    const bool is_first = !first_is_used.exchange(true);
-    auto& memory = grid.searches[is_first ? 0 : 1];
+    const bool has_first_memory = !first_memory_is_taken.exchange(true);
+    auto& memory = grid.searches[has_first_memory ? 0 : 1];
     kernels::mark_rivalled({.fitness = flies.fitness.data(),
                             .u_px = flies.u_px.data(),
                             .v_px = flies.v_px.data(),
@@ -77,7 +78,7 @@ void find_rivalled(const ImagePopulation& flies, int width_px, int height_px, co
                             .listed = memory.listed.data(),
                             .fittest = memory.fittest.data()},
                            memory.rivalled.data());
-    if (is_first) first_is_used = false;
+    if (has_first_memory) first_memory_is_taken = false;
   };
   tbb::parallel_invoke([&] { search(0.0F); }, [&] { search(1.0F); });
   const auto& [first, second] = grid.searches;

@@ -10,7 +10,7 @@
 #include "flies/evolve/evolve_options.hpp"
 #include "flies/evolve/kernels/rivals.hpp"
 
-/// The operators that look at the whole population (METHOD section "Evolution"): sharing, uniqueness, selection. Each
+/// The operators that look at the whole population (Li 2010, II.A; Louchet 2001): sharing, uniqueness, selection. Each
 /// writes into vectors of its caller, which keep their memory from call to call.
 namespace flies {
 

@@ -11,7 +11,7 @@
 #include "flies/evolve/evolve_options.hpp"
 #include "flies/evolve/habitat.hpp"
 
-/// The genetic operators that make one fly (METHOD section "Evolution"), each on its own. Flies are image coordinates;
+/// The genetic operators that make one fly (Li 2010, II.A; Louchet 2001), each on its own. Flies are image coordinates;
 /// the draws handed in are the only source of chance.
 namespace flies {
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "flies/io/temporary_folder.hpp"
+#include "flies/io/test_data.hpp"
 
 namespace flies {
 namespace {
@@ -301,19 +302,20 @@ TEST(KittiCamerasFromPaths, ReadsFolderNames) {
 }
 
 TEST(LoadCalibration, ReadsTheRealFiles) {
-  const auto data = flies::testing::test_data();
-  if (!data) GTEST_SKIP() << "the real data is not here; set FLIES_TEST_DATA";
+  const auto kitti = testing::find_data("kitti_raw");
+  if (!kitti) GTEST_SKIP() << testing::absence("kitti_raw");
+  const auto data = kitti->parent_path();
   CalibrationRequest gray;
   gray.cameras = {0, 1};
-  const auto raw = load_calibration((*data / "kitti_raw/2011_09_26/calib_cam_to_cam.txt").string(), gray);
+  const auto raw = load_calibration((data / "kitti_raw/2011_09_26/calib_cam_to_cam.txt").string(), gray);
   EXPECT_NEAR(raw.camera.baseline_m, 0.5372, 1e-4);
   EXPECT_EQ(raw.camera.width_px, 1242);
-  for (const auto& file : std::filesystem::directory_iterator(*data / "kitti_object/training/calib")) {
+  for (const auto& file : std::filesystem::directory_iterator(data / "kitti_object/training/calib")) {
     const auto object = load_calibration(file.path().string());
     EXPECT_EQ(object.format, "KITTI object calib.txt");
     EXPECT_NEAR(object.camera.baseline_m, 0.5325, 1e-3) << file.path();
   }
-  const auto eth = load_calibration((*data / "eth_bahnhof/rectified/extrinsics.yml").string());
+  const auto eth = load_calibration((data / "eth_bahnhof/rectified/extrinsics.yml").string());
   EXPECT_NEAR(eth.camera.baseline_m, 0.4006, 1e-4);
   EXPECT_EQ(eth.camera.height_px, 480);
 }

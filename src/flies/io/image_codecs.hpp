@@ -17,7 +17,7 @@ namespace flies {
 cv::Mat decode_image(std::string_view bytes);
 
 /// @param image 8 or 16 bits; grey, BGR or BGRA
-/// @param is_small takes time for a small file
+/// @param is_small compresses harder, which takes more time
 std::vector<std::uint8_t> encode_png(const cv::Mat& image, bool is_small = false);
 
 /// @param image 8 bits, grey or BGR

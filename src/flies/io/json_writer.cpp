@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "flies/core/free_space.hpp"
+#include "flies/core/people_obstacles.hpp"
 #include "flies/io/writers.hpp"
 
 namespace flies {
@@ -63,6 +64,35 @@ Json array_of(const std::vector<Item>& items) {
   return array;
 }
 
+/// People, each with the index of the obstacle that he is, or null.
+Json people_of(const FrameRecord& record) {
+  Json array = array_of(record.pedestrians);
+  const auto own = obstacles_of_people(record.obstacles, record.pedestrians);
+  for (std::size_t i = 0; i < own.size(); ++i) array[i]["obstacle"] = own[i] ? Json(*own[i]) : Json();
+  return array;
+}
+
+Json object_of(const RoadPlane& road) {
+  return {{"height_m", metres(road.height_m)}, {"slope", radians_of(road.slope)}, {"bank", radians_of(road.bank)}};
+}
+
+Json object_of(const StereoCamera& camera) {
+  return {{"fx_px", rounded(camera.fx_px, 6)}, {"fy_px", rounded(camera.fy_px, 6)},
+          {"cx_px", rounded(camera.cx_px, 6)}, {"cx_right_px", rounded(camera.cx_right_px, 6)},
+          {"cy_px", rounded(camera.cy_px, 6)}, {"baseline_m", rounded(camera.baseline_m, 6)},
+          {"width_px", camera.width_px},       {"height_px", camera.height_px}};
+}
+
+Json object_of(const RunRecord& run) {
+  Json options = Json::object();
+  for (const auto& [name, text] : run.options) {
+    Json value = Json::parse(text, nullptr, false);
+    options[name] = value.is_discarded() ? Json(text) : std::move(value);
+  }
+  return {{"version", run.version},           {"calibration", run.calibration}, {"camera", object_of(run.camera)},
+          {"people_model", run.people_model}, {"preset", run.preset},           {"options", options}};
+}
+
 Json numbers_of(const std::vector<double>& values, Json (*written)(double)) {
   Json array = Json::array();
   for (const double value : values) array.push_back(written(value));
@@ -111,18 +141,17 @@ std::string json_line(const FrameRecord& record) {
   Json stage_ms = Json::object();
   for (std::size_t stage = 0; stage < kStageCount; ++stage)
     stage_ms[std::string(kStageNames[stage])] = milliseconds(record.stage_ms[stage]);
-  Json object = {{"frame", record.frame},
-                 {"left", record.left},
-                 {"right", record.right},
-                 {"seed", record.seed},
-                 {"preset", record.preset},
-                 {"obstacles", array_of(record.obstacles)},
-                 {"pedestrians", array_of(record.pedestrians)}};
+  Json object = {{"frame", record.frame},           {"left", record.left},
+                 {"right", record.right},           {"seed", record.seed},
+                 {"preset", record.preset},         {"obstacles", array_of(record.obstacles)},
+                 {"pedestrians", people_of(record)}};
+  if (record.road) object["road"] = object_of(*record.road);
   if (!record.scan.empty()) {
     object["scan"] = object_of(record.scan);
     object["free_space"] = polygon_of(free_space(record.scan));
   }
   if (record.diagnosis) object["diagnosis"] = object_of(*record.diagnosis);
+  if (record.run) object["run"] = object_of(*record.run);
   if (record.error.empty())
     object["stage_ms"] = stage_ms;
   else

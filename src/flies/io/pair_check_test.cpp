@@ -13,6 +13,7 @@
 #include "flies/io/images.hpp"
 #include "flies/io/pair_source.hpp"
 #include "flies/io/temporary_folder.hpp"
+#include "flies/io/test_data.hpp"
 
 namespace flies {
 namespace {
@@ -122,9 +123,10 @@ std::vector<RealPair> real_pairs(const std::filesystem::path& data) {
 }
 
 TEST(CheckTruePair, JudgesRealPairs) {
-  const auto data = flies::testing::test_data();
-  if (!data) GTEST_SKIP() << "the real data is not here; set FLIES_TEST_DATA";
-  const auto pairs = real_pairs(*data);
+  const auto kitti = testing::find_data("kitti_raw");
+  if (!kitti) GTEST_SKIP() << testing::absence("kitti_raw");
+  const auto data = kitti->parent_path();
+  const auto pairs = real_pairs(data);
   int mismatches = 0, noticed = 0;
   for (const auto& pair : pairs) {
     const auto view = pair.images.view();

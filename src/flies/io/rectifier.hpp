@@ -20,7 +20,7 @@ struct RawStereo {
 };
 
 /// Turns raw pairs into rectified ones: computes the rectification once, then remaps pair after pair. Rotations keep
-/// the scene's infinity at disparity 0 and the images are scaled so that only valid pixels are seen.
+/// infinity at disparity 0 and the images are scaled so that only valid pixels are seen. Threads: any number at once.
 class Rectifier {
  public:
   /// @param source names the calibration in errors

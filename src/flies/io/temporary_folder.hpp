@@ -15,6 +15,24 @@
 
 namespace flies::testing {
 
+/// Gives up the super-user's rights, who may read and write every folder, as long as it lives. Files made before it
+/// lives are not its user's.
+class OrdinaryUser {
+ public:
+  OrdinaryUser() {
+    constexpr ::uid_t kNobody = 65534;
+    if (was_ == 0 && ::seteuid(kNobody) != 0) std::abort();
+  }
+  ~OrdinaryUser() {
+    if (::seteuid(was_) != 0) std::abort();
+  }
+  OrdinaryUser(const OrdinaryUser&) = delete;
+  OrdinaryUser& operator=(const OrdinaryUser&) = delete;
+
+ private:
+  ::uid_t was_ = ::geteuid();
+};
+
 /// A fresh folder, removed with everything in it.
 class TemporaryFolder {
  public:
@@ -76,17 +94,6 @@ inline std::string nested_aliases(const std::string& leaf, bool as_maps, int lev
     text += name + ": &" + name + " " + list_of(before) + "\n";
   }
   return text;
-}
-
-/// The folder of real data, if there is one.
-inline std::optional<std::filesystem::path> test_data() {
-  const char* given = std::getenv("FLIES_TEST_DATA");
-  const char* source = std::getenv("FLIES_SOURCE_DIR");
-  const auto folder = given != nullptr    ? std::filesystem::path(given)
-                      : source != nullptr ? std::filesystem::path(source) / ".." / "shared" / "data"
-                                          : std::filesystem::path();
-  if (folder.empty() || !std::filesystem::is_directory(folder / "kitti_raw")) return std::nullopt;
-  return folder;
 }
 
 }  // namespace flies::testing

@@ -66,7 +66,7 @@ std::string plain_text(const std::string& bytes) {
   return lines;
 }
 
-std::string read_file(const std::string& path, std::size_t max_bytes) {
+std::string read_bytes(const std::string& path, std::size_t max_bytes) {
   std::error_code ignored;
   if (path.empty()) throw InputError("input", "file name", "is empty");
   if (std::filesystem::is_directory(path, ignored)) throw InputError(path, "", "is a folder, expected a file");
@@ -90,6 +90,11 @@ std::string read_file(const std::string& path, std::size_t max_bytes) {
     if (bytes.size() > max_bytes)
       throw InputError(path, "", fmt::format("is larger than {} bytes, too large for what it should be", max_bytes));
   }
+  return bytes;
+}
+
+std::string read_file(const std::string& path, std::size_t max_bytes) {
+  std::string bytes = read_bytes(path, max_bytes);
   if (bytes.empty()) throw InputError(path, "", "is empty");
   return bytes;
 }

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "flies/core/fly.hpp"
 #include "flies/core/results.hpp"
+#include "flies/core/road.hpp"
 #include "flies/core/scan.hpp"
 #include "flies/core/stereo_camera.hpp"
 
@@ -23,6 +26,16 @@ struct DiagnosisRecord {
   std::vector<std::string> notes;   ///< what to check, one sentence each
 };
 
+/// What a run was made of, so that it can be made again.
+struct RunRecord {
+  std::string version;      ///< of the program
+  std::string calibration;  ///< its file
+  StereoCamera camera;      ///< as it was used
+  std::string people_model;
+  std::string preset;                                        ///< that options start from
+  std::vector<std::pair<std::string, std::string>> options;  ///< those that differ from it, by name and value
+};
+
 /// What was found in one pair, as it is written. docs/formats.md holds the schema.
 struct FrameRecord {
   int frame = 0;            ///< counted from 0 in the order of processing
@@ -34,6 +47,8 @@ struct FrameRecord {
   Scan scan;  ///< empty: not written
   StageTimes_ms stage_ms{};
   std::optional<DiagnosisRecord> diagnosis = {};  ///< of the whole run, the same in every line
+  std::shared_ptr<const RunRecord> run = {};      ///< the same in every line
+  std::optional<RoadPlane> road = {};
   std::string error = {};  ///< why the pair could not be used, when it could not: nothing was looked for in it then
 };
 

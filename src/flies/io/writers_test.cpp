@@ -65,6 +65,28 @@ std::vector<std::string> keys_of(const Json& object) {
   return keys;
 }
 
+TEST(JsonLine, SaysWhatTheRunWasMadeOf) {
+  FrameRecord record = example();
+  RunRecord run;
+  run.version = "1.2.3";
+  run.calibration = "calib.txt";
+  run.camera.fx_px = 700.125;
+  run.camera.width_px = 640;
+  run.people_model = "none";
+  run.preset = "robot";
+  run.options = {{"evolve.flies", "5000"}, {"evolve.initial", "image"}};
+  record.run = std::make_shared<const RunRecord>(run);
+  record.road = {.height_m = 0.1, .slope = -0.01, .bank = 0.002};
+  const auto json = Json::parse(json_line(record));
+  EXPECT_EQ(json["run"]["version"], "1.2.3");
+  EXPECT_EQ(json["run"]["camera"]["fx_px"], 700.125);
+  EXPECT_EQ(json["run"]["camera"]["width_px"], 640);
+  EXPECT_EQ(json["run"]["people_model"], "none");
+  EXPECT_EQ(json["run"]["options"]["evolve.flies"], 5000);
+  EXPECT_EQ(json["run"]["options"]["evolve.initial"], "image");
+  EXPECT_EQ(json["road"]["slope"], -0.01);
+}
+
 TEST(JsonLine, HasTheSchemaInOrder) {
   const std::string line = json_line(example());
   EXPECT_EQ(line.find('\n'), line.size() - 1);
@@ -74,7 +96,7 @@ TEST(JsonLine, HasTheSchemaInOrder) {
   EXPECT_THAT(keys_of(json["obstacles"][0]), ElementsAre("x_m", "y_m", "range_m", "range_sd_m", "width_m",
                                                          "middle_offset_m", "depth_m", "height_m", "score", "box"));
   EXPECT_THAT(keys_of(json["pedestrians"][0]),
-              ElementsAre("x_m", "y_m", "range_m", "range_sd_m", "height_m", "probability", "box"));
+              ElementsAre("x_m", "y_m", "range_m", "range_sd_m", "height_m", "probability", "box", "obstacle"));
   EXPECT_THAT(keys_of(json["obstacles"][0]["box"]), ElementsAre("u_px", "v_px", "width_px", "height_px"));
   EXPECT_THAT(keys_of(json["stage_ms"]), ElementsAreArray(kStageNames));
 }

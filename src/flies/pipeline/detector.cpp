@@ -46,6 +46,19 @@ Detection Detector::process(const RectifiedPair& pair, const std::optional<Plana
   return detection;
 }
 
+DetectionSummary Detector::find(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion) {
+  return process(pair, motion);
+}
+
+void Detector::reset() {
+  [[maybe_unused]] const detail::OneAtATime::Use use(one_at_a_time_);
+  evolver_ = {};
+  scanner_ = {};
+  concentrator_ = {};
+  last_obstacles_.clear();
+  frame_ = 0;
+}
+
 Detection Detector::detect(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion) {
   const auto& [width_px, height_px] = std::pair(pair.left.width_px, pair.left.height_px);
   Detection d;

@@ -67,6 +67,9 @@ struct EnumNames<Preset> {
 };
 DetectorOptions preset_options(Preset preset);
 
+/// Who finds the people with a preset: the shipped classifier; with `paper` its linear machine alone.
+std::shared_ptr<const PeopleClassifier> preset_classifier(Preset preset);
+
 /// The options of a preset made for a camera. Presets have a car's camera in mind; of another one's field of detection,
 /// scan and search for the road, the near ends follow from where it sees the road first and where both of its images
 /// see the same, the far ends from where ranges get worse than 15 % and the road too flat. Nothing is looked for
@@ -81,13 +84,16 @@ Preset preset_named(std::string_view name, const std::string& source);
 /// @throws InputError naming `source` and the option
 void check_detector_options(const DetectorOptions& options, const std::string& source);
 
-/// What was found in one pair, and every intermediate result on the way there.
-struct Detection {
+/// What was found in one pair.
+struct DetectionSummary {
   std::vector<Obstacle> obstacles;      ///< nearest first
   std::vector<Pedestrian> pedestrians;  ///< nearest first
   Scan scan;                            ///< the nearest obstacle in every direction, and where the ground is free
-  StageTimes_ms stage_ms{};
+  StageTimes_ms stage_ms{};             ///< how long each stage took
+};
 
+/// The same with every intermediate result on the way there: some 300 kB more with 3000 flies.
+struct Detection : DetectionSummary {
   RoadResult road;
   EvolveResult evolved;  ///< flies after the last generation, scored
   ConcentrateResult
@@ -141,6 +147,12 @@ class Detector {
   /// @throws InputError when the images are empty, differ in size or do not fit the camera
   /// @param motion of the camera since the pair before, where that is known: what was seen then counts on
   Detection process(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion = std::nullopt);
+
+  /// The same without the intermediate results, for who keeps what comes out.
+  DetectionSummary find(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion = std::nullopt);
+
+  /// Forgets the pairs so far: the next one is treated as the first, as after a jump to another place.
+  void reset();
 
   const StereoCamera& camera() const { return camera_; }
   const DetectorOptions& options() const { return options_; }

@@ -159,6 +159,27 @@ TEST(Detector, WorksBesideOthersAndPairAfterPair) {
   }
 }
 
+TEST(Detector, StartsAnewAfterAReset) {
+  const Board board;
+  Detector detector(camera());
+  const Detection first = detector.process(board.pair());
+  EXPECT_NE(detector.process(board.pair()).evolved.flies.x_m, first.evolved.flies.x_m);
+  detector.reset();
+  const Detection again = detector.process(board.pair());
+  EXPECT_EQ(again.evolved.flies.x_m, first.evolved.flies.x_m);
+  EXPECT_EQ(again.scan.confidence, first.scan.confidence);
+}
+
+TEST(Detector, FindsTheSameWithoutIntermediateResults) {
+  const Board board;
+  const DetectionSummary light = Detector(camera()).find(board.pair());
+  const Detection whole = Detector(camera()).process(board.pair());
+  ASSERT_EQ(light.obstacles.size(), whole.obstacles.size());
+  EXPECT_EQ(light.obstacles[0].x_m, whole.obstacles[0].x_m);
+  EXPECT_EQ(light.pedestrians.size(), whole.pedestrians.size());
+  EXPECT_EQ(light.scan.confidence, whole.scan.confidence);
+}
+
 /// Answers what it is told to.
 class Answering final : public PeopleClassifier {
  public:

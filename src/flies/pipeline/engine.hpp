@@ -25,8 +25,8 @@ struct Snapshot {
 
 /// A tracker with a thread of its own, for a living camera: pairs go in whenever they come, and whoever needs the
 /// obstacles reads the newest whenever it likes. A pair that has not been started when a newer one comes is dropped and
-/// counted, so a burst or a slow machine costs old pairs and never delays new ones. All members may be called from any
-/// threads at once; none waits for work to be done but `wait`.
+/// counted, so a burst or a slow machine costs old pairs and never delays new ones.
+/// Threads: all members may be called from any threads at once; none waits for work to be done but `wait`.
 class Engine {
  public:
   /// @throws InputError when the camera or an option is out of range

@@ -34,6 +34,7 @@ struct Tracking {
 
 /// Follows things through the pairs of one camera: ego-motion, detection, tracks. The n-th call is a function of the
 /// pairs and times so far, camera, options and classifier.
+/// Threads: one tracker serves one thread at a time; several may run side by side.
 class Tracker {
  public:
   /// @throws InputError when the camera or an option is out of range

@@ -12,7 +12,7 @@
 namespace flies {
 namespace {
 
-/// Width over height of the window (METHOD section 5: 48 x 96).
+/// Width over height of the window (Li 2010, IV: 48 x 96).
 constexpr double kWindowAspect = 0.5;
 /// A hundred times what the presets ask for; more would take minutes and gigabytes in a street.
 constexpr std::size_t kMaxRoisPerObstacle = 10'000;

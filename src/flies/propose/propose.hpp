@@ -13,7 +13,7 @@
 namespace flies {
 
 /// A region of interest: where in the left image a person of this height would stand at this place.
-/// The box has the detector's aspect 1:2 with its margin around the person (METHOD section 5).
+/// The box has the detector's aspect 1:2 with its margin around the person (Li 2010, IV).
 struct Roi {
   ImageBox window;   ///< what the classifier looks at, aspect 48:96; may reach beyond the image
   ImageBox person;   ///< head to feet inside the window
@@ -63,7 +63,7 @@ struct ProposeOptions {
 };
 
 /// Proposes where to look for people: around every obstacle that may be one, boxes of a few heights with the feet on
-/// the road at the obstacle's range, side by side across its width, and a little above and below (METHOD section 5).
+/// the road at the obstacle's range, side by side across its width, and a little above and below (Li 2010, IV).
 /// Boxes of one obstacle and height follow each other and lie on a raster.
 /// @param obstacles       in the vehicle frame; entries that are not finite or lie behind the camera give no box
 /// @param projection      of the camera; boxes are in its left image

@@ -1,50 +1,17 @@
 #include "flies/record/mcap_reader.hpp"
 
 #include <fmt/format.h>
-#include <zstd.h>
 
 #include <filesystem>
 
 #include "flies/core/error.hpp"
 #include "flies/io/zip_archive.hpp"
+#include "flies/record/byte_taker.hpp"
+#include "flies/record/decompress.hpp"
 #include "flies/record/mcap_records.hpp"
 
 namespace flies {
-namespace {
-
 using namespace mcap;
-
-constexpr std::uint64_t kLargestChunk = 1ULL << 30;
-
-/// Takes numbers and texts from bytes; what is not there is 0 and empty, and then `is_good` is false.
-class Taker {
- public:
-  explicit Taker(std::string_view bytes) : bytes_(bytes) {}
-  std::uint64_t number(int size) {
-    const std::string_view own = take(static_cast<std::size_t>(size));
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < own.size(); ++i) value |= std::uint64_t{static_cast<unsigned char>(own[i])} << (8 * i);
-    return value;
-  }
-  std::string text() { return std::string(take(number(4))); }
-  std::string_view rest() { return take(bytes_.size()); }
-  std::string_view take(std::uint64_t size) {
-    if (size > bytes_.size()) {
-      is_good = false;
-      size = 0;
-    }
-    const std::string_view own = bytes_.substr(0, size);
-    bytes_.remove_prefix(size);
-    return own;
-  }
-  std::size_t left() const { return bytes_.size(); }
-  bool is_good = true;
-
- private:
-  std::string_view bytes_;
-};
-
-}  // namespace
 
 void McapReader::complain(const std::string& what) const { throw InputError(path_, "", what); }
 
@@ -59,30 +26,25 @@ McapReader::McapReader(const std::string& path) : path_(path), file_(path, std::
 }
 
 std::string McapReader::unpacked(const std::string& chunk) const {
-  Taker taker(chunk);
+  ByteTaker taker(chunk);
   taker.take(16);  // times
   const std::uint64_t size = taker.number(8);
   const auto checksum = static_cast<std::uint32_t>(taker.number(4));
   const std::string compression = taker.text();
   const std::string_view records = taker.take(taker.number(8));
-  if (!taker.is_good || size > kLargestChunk) complain("a chunk is damaged");
-  std::string result;
-  if (compression.empty()) {
-    result = records;
-  } else if (compression == "zstd") {
-    result.resize(size);
-    const std::size_t written = ZSTD_decompress(result.data(), result.size(), records.data(), records.size());
-    if (ZSTD_isError(written) != 0U || written != size) complain("a chunk is damaged");
-  } else {
-    complain(fmt::format("chunks are compressed with '{}', expected zstd or nothing", compression));
-  }
+  if (!taker.is_good) complain("a chunk is damaged");
+  if (!is_known_compression(compression))
+    complain(fmt::format("chunks are compressed with '{}', expected {}", compression, kCompressions));
+  auto unpacked = decompress(compression, records, size);
+  if (!unpacked) complain("a chunk is damaged");
+  std::string result = std::move(*unpacked);
   if (checksum != 0 && crc32(result) != checksum) complain("a chunk is damaged: its checksum is another");
   return result;
 }
 
 /// What a record says; a message when it is one.
-std::optional<McapMessage> McapReader::take(const Record& record, const McapPlace& place) {
-  Taker taker(record.content);
+std::optional<RecordedMessage> McapReader::take(const Record& record, const MessagePlace& place) {
+  ByteTaker taker(record.content);
   switch (static_cast<Opcode>(record.opcode)) {
     case Opcode::schema: {
       const auto id = static_cast<std::uint16_t>(taker.number(2));
@@ -106,8 +68,8 @@ std::optional<McapMessage> McapReader::take(const Record& record, const McapPlac
       taker.number(8);
       if (!taker.is_good || found == channels_.end()) complain("a message is damaged or of no channel");
       const auto& channel = found->second;
-      return McapMessage{channel.topic, channel.schema_name,       channel.encoding,
-                         time_ns,       std::string(taker.rest()), place};
+      return RecordedMessage{channel.topic, channel.schema_name,       channel.encoding,
+                             time_ns,       std::string(taker.rest()), place};
     }
     case Opcode::chunk:
       chunk_ = {place.record, unpacked(record.content), 0};
@@ -127,7 +89,7 @@ std::optional<McapReader::Record> McapReader::read_record(std::uint64_t position
   file_.clear();
   file_.seekg(static_cast<std::streamoff>(position));
   if (size_ - position < kRecordHead || !file_.read(head.data(), kRecordHead)) return std::nullopt;
-  Taker taker(head);
+  ByteTaker taker(head);
   Record record{static_cast<std::uint8_t>(taker.number(1)), {}};
   const std::uint64_t length = taker.number(8);
   if (length > size_ - position - kRecordHead) return std::nullopt;
@@ -138,7 +100,7 @@ std::optional<McapReader::Record> McapReader::read_record(std::uint64_t position
 
 std::optional<McapReader::Record> McapReader::next_in_chunk(Chunk& chunk) const {
   if (chunk.position >= chunk.records.size()) return std::nullopt;
-  Taker taker(std::string_view(chunk.records).substr(chunk.position));
+  ByteTaker taker(std::string_view(chunk.records).substr(chunk.position));
   Record record{static_cast<std::uint8_t>(taker.number(1)), {}};
   record.content = std::string(taker.take(taker.number(8)));
   if (!taker.is_good) complain("a chunk is damaged");
@@ -147,16 +109,16 @@ std::optional<McapReader::Record> McapReader::next_in_chunk(Chunk& chunk) const 
   return record;
 }
 
-std::optional<McapMessage> McapReader::next() {
+std::optional<RecordedMessage> McapReader::next() {
   while (!has_ended_) {
-    const McapPlace inside{chunk_.record, chunk_.position};
+    const MessagePlace inside{chunk_.record, chunk_.position};
     if (const auto record = next_in_chunk(chunk_)) {
       if (auto message = take(*record, inside)) return message;
       continue;
     }
     const auto record = read_record(position_);
     if (!record) break;
-    const McapPlace outside{position_, 0};
+    const MessagePlace outside{position_, 0};
     position_ += kRecordHead + record->content.size();
     if (auto message = take(*record, outside)) return message;
   }
@@ -164,7 +126,7 @@ std::optional<McapMessage> McapReader::next() {
   return std::nullopt;
 }
 
-McapMessage McapReader::at(const McapPlace& place) {
+RecordedMessage McapReader::at(const MessagePlace& place) {
   if (chunk_at_.record != place.record || chunk_at_.records.empty()) {
     const auto record = read_record(place.record);
     if (!record) complain("has changed while it was read");

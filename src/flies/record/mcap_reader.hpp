@@ -3,42 +3,23 @@
 #include <cstdint>
 #include <fstream>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 
+#include "flies/record/recorded_message.hpp"
+
 namespace flies {
 
-/// Where a message is in its file.
-struct McapPlace {
-  std::uint64_t record = 0;  ///< of its chunk, or of itself when it is in none
-  std::size_t in_chunk = 0;  ///< position among the chunk's records
-};
-
-struct McapMessage {
-  std::string topic, schema_name, encoding;  ///< encoding "json" of those that we write
-  std::uint64_t time_ns = 0;                 ///< when it was logged, since 1970
-  std::string data;
-  McapPlace place;
-};
-
 /// Reads an MCAP file from its beginning to its end, or as far as it is whole. Chunks are stored as they are or
-/// compressed with Zstandard.
-class McapReader {
+/// compressed with Zstandard or LZ4.
+class McapReader final : public RecordingReader {
  public:
   /// @throws InputError naming the file when it cannot be read or is no MCAP file
   explicit McapReader(const std::string& path);
 
-  /// The next message in the order of the file; nothing at its end, also where it was cut off.
-  /// @throws InputError naming the file when a chunk is damaged or compressed in another way
-  std::optional<McapMessage> next();
-
-  /// The message at a place that `next` told, in any order. Its chunk is kept for the next call.
-  /// @throws InputError as `next`
-  McapMessage at(const McapPlace& place);
-
-  /// Whether the file ends as it should; known after its last message.
-  bool is_whole() const { return is_whole_; }
+  std::optional<RecordedMessage> next() override;
+  RecordedMessage at(const MessagePlace& place) override;
+  bool is_whole() const override { return is_whole_; }
 
  private:
   struct Channel {
@@ -58,7 +39,7 @@ class McapReader {
 
   std::optional<Record> read_record(std::uint64_t position);
   std::optional<Record> next_in_chunk(Chunk& chunk) const;
-  std::optional<McapMessage> take(const Record& record, const McapPlace& place);
+  std::optional<RecordedMessage> take(const Record& record, const MessagePlace& place);
   std::string unpacked(const std::string& chunk) const;
   [[noreturn]] void complain(const std::string& what) const;
 

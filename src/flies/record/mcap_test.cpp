@@ -18,9 +18,9 @@ using ::testing::ThrowsMessage;
 
 constexpr std::uint64_t kSecond_ns = 1000000000;
 
-std::vector<McapMessage> messages_of(const std::string& path, bool* is_whole = nullptr) {
+std::vector<RecordedMessage> messages_of(const std::string& path, bool* is_whole = nullptr) {
   McapReader reader(path);
-  std::vector<McapMessage> messages;
+  std::vector<RecordedMessage> messages;
   while (auto message = reader.next()) messages.push_back(std::move(*message));
   if (is_whole != nullptr) *is_whole = reader.is_whole();
   return messages;
@@ -56,7 +56,7 @@ TEST(Mcap, MessagesAreFoundAgainInAnyOrder) {
   const std::string path = folder.file("t.mcap");
   write_some(path, 30);
   McapReader reader(path);
-  std::vector<McapMessage> messages;
+  std::vector<RecordedMessage> messages;
   while (auto message = reader.next()) {
     messages.push_back(*message);
     EXPECT_EQ(reader.at(messages.front().place).data, messages.front().data);  // does not disturb `next`

@@ -55,7 +55,7 @@ Population spread_flies(const Setting& s, std::uint64_t seed, FitnessFunction fu
   return evolve(s.pair, s.projection, s.road, s.options.method.field, fitness, evolution, {seed, 0}).flies;
 }
 
-/// True when enough known returns of other things lie near the fly and it is not near the person (METHOD section 7).
+/// True when enough known returns of other things lie near the fly and it is not near the person (docs/evaluation.md).
 bool is_at_others(const Setting& s, const GroundPoint& fly) {
   const double radius_m = s.options.match.radius_at_m(std::hypot(fly.x_m, fly.y_m));
   if (distance_m(fly, s.person.near) <= radius_m) return false;

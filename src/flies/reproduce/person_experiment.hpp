@@ -12,7 +12,7 @@
 #include "flies/eval/score.hpp"
 #include "flies/pipeline/detector.hpp"
 
-/// The paper's experiments on a person whose place is known (METHOD section 6, docs/reproduce.md).
+/// The paper's experiments on a person whose place is known (Li 2010, V, docs/reproduce.md).
 namespace flies {
 
 /// Where a person is known to stand, on the ground of the vehicle frame.

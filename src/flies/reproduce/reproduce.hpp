@@ -11,7 +11,7 @@
 #include "flies/reproduce/labelled_frame.hpp"
 #include "flies/reproduce/person_experiment.hpp"
 
-/// The paper's section V on any labelled frames: the table of METHOD section 6 beside the paper's numbers.
+/// The experiments of Li 2010, section V, on any labelled frames, beside the paper's numbers.
 namespace flies {
 
 /// Frames that are measured together: a column of the table.

@@ -38,6 +38,8 @@ struct RigSolution {
 class BoardTools {
  public:
   virtual ~BoardTools() = default;
+  /// Whether charuco boards and aprilgrids can be found: not where OpenCV's aruco was missing when this was built.
+  virtual bool has_markers() const = 0;
   /// The board in an image; no corners when it is not there or not whole (a chessboard must be whole).
   virtual SeenBoard find(const GrayView& image, const Board& board) const = 0;
   /// @param lens `brown` or, for whole chessboards, `equidistant`

@@ -2,8 +2,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <opencv2/aruco.hpp>
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -11,6 +9,11 @@
 
 #include "flies/io/formats/toy_rig.hpp"
 #include "flies/rig/board.hpp"
+
+#ifdef FLIES_HAS_MARKERS
+#include <opencv2/aruco.hpp>
+#include <opencv2/aruco/charuco.hpp>
+#endif
 
 namespace flies::testing {
 
@@ -35,6 +38,7 @@ inline Print print_chessboard(const Board& board) {
   return print;
 }
 
+#ifdef FLIES_HAS_MARKERS
 inline Print print_charuco(const Board& board) {
   const auto charuco = cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_m),
                                                        static_cast<float>(board.marker_m),
@@ -70,6 +74,7 @@ inline Print print_aprilgrid(const Board& board) {
   print.first_corner_px = {2.0 * gap - 0.5, 2.0 * gap + board.rows * step - gap - 0.5};
   return print;
 }
+#endif
 
 /// Sees a print with one of the cameras of a rig.
 class BoardRenderer {

@@ -31,7 +31,7 @@ void check_scan_options(const ScanOptions& options, const std::string& source);
 Scan scan(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road, const Population& flies,
           const FieldOptions& field, const ScanOptions& options);
 
-/// The same for pair after pair, whose evidence adds up where the motion between them is known.
+/// The same for pair after pair, whose evidence adds up where the motion between them is known. Threads: one at a time.
 class Scanner {
  public:
   /// @param motion from the pair before to this one: what was known then still counts (`ScanOptions::memory`); null

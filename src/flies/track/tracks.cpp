@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "flies/core/people_obstacles.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/track/assignment.hpp"
 
 namespace flies {
@@ -16,7 +18,6 @@ constexpr double kMaxPersonLogOdds = 6.0;
 constexpr double kNoPersonLogOdds = -0.4;  // the classifier misses some: one silence says little
 constexpr double kMaxVerdict = 0.95;       // of one look at a person
 constexpr double kMinDepth_m = 1.0;
-constexpr double kMinPersonGap_m = 0.7, kPersonGapShare = 0.05;  // between a person and the obstacle he is
 constexpr double kMinHidden = 0.5;  // share of its width behind nearer things that hides a track
 constexpr double kHidingDistance_m = 1.0;
 constexpr double kSizeGain = 0.25;  // of the newest sighting in the size
@@ -28,17 +29,11 @@ constexpr double kSameThingVelocity_mps = 1.0;
 constexpr double kMinCornerHeight_m = 0.3;                        // lower ones may be on the road before the thing
 constexpr double kCornerSlack_m = 1.0, kCornerSlackShare = 0.05;  // depth of a thing about its near face
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Standard deviation of values about their median, by the median of their distances.
 double scatter(std::vector<double> values, double middle) {
   constexpr double kNormal = 1.4826;
   for (double& value : values) value = std::abs(value - middle);
-  return kNormal * median(values);
+  return kNormal * median_of(values);
 }
 
 double logit(double p) { return std::log(p / (1.0 - p)); }
@@ -77,26 +72,16 @@ double hidden_share(const Track& track, std::span<const Sighting> sightings) {
 
 std::vector<Sighting> sightings_of(std::span<const Obstacle> obstacles, std::span<const Pedestrian> people) {
   std::vector<Sighting> sightings;
-  for (const auto& o : obstacles) {
-    const double angle_rad = std::atan2(o.y_m, o.x_m) + (o.range_m > 0.0 ? o.middle_offset_m / o.range_m : 0.0);
-    const double range_m = std::hypot(o.x_m, o.y_m);
-    sightings.push_back(
-        {range_m * std::cos(angle_rad), range_m * std::sin(angle_rad), o.width_m, o.height_m, o.box, std::nullopt});
+  for (const auto& obstacle : obstacles) {
+    const GroundPoint middle = middle_of(obstacle);
+    sightings.push_back({middle.x_m, middle.y_m, obstacle.width_m, obstacle.height_m, obstacle.box, std::nullopt});
   }
-  const std::size_t count = sightings.size();
-  for (const auto& person : people) {
-    double nearest_m = kMinPersonGap_m + kPersonGapShare * person.range_m;
-    Sighting* own = nullptr;
-    for (std::size_t i = 0; i < count; ++i) {
-      Sighting& s = sightings[i];
-      const double gap_m = std::hypot(s.x_m - person.x_m, s.y_m - person.y_m);
-      if (s.person_probability || gap_m >= nearest_m) continue;
-      nearest_m = gap_m;
-      own = &s;
-    }
-    if (own != nullptr) {
-      own->person_probability = person.probability;
-      own->box = person.box;
+  const auto own = obstacles_of_people(obstacles, people);
+  for (std::size_t k = 0; k < people.size(); ++k) {
+    const Pedestrian& person = people[k];
+    if (own[k]) {
+      sightings[*own[k]].person_probability = person.probability;
+      sightings[*own[k]].box = person.box;
     } else {
       constexpr double kShoulders_m = 0.5;
       sightings.push_back({person.x_m, person.y_m, kShoulders_m, person.height_m, person.box, person.probability});
@@ -163,7 +148,7 @@ std::optional<GroundVelocity> TrackKeeper::velocity_of(const Sighting& s, const 
                            (camera_.fx_px * camera_.baseline_m * ego.dt_s);
   const double one_across =
       std::numbers::sqrt2 * range_m * options_.corner_disparity_sd_px / (camera_.fx_px * ego.dt_s);
-  const double v_along = median(along), v_across = median(across);
+  const double v_along = median_of(along), v_across = median_of(across);
   const double root = std::sqrt(static_cast<double>(along.size()));
   const auto variance = [&](double one_mps, double scatter_mps) {
     return std::pow(std::hypot(options_.corner_velocity_sd_mps, std::max(one_mps, scatter_mps) / root), 2);

@@ -66,7 +66,7 @@ struct TrackOptions {
   }
 };
 
-/// What a detector saw of one thing.
+/// What a detector saw of one thing in one pair: a measurement, in the words of the literature on tracking.
 struct Sighting {
   double x_m = 0.0, y_m = 0.0;
   double width_m = 0.0, height_m = 0.0;
@@ -101,7 +101,7 @@ struct Track {
 
 /// Follows things from pair to pair: constant velocity over ground, optimal assignment, a probability that each exists.
 /// Tracks that nobody sees coast on; behind something nearer they do so for long. When the camera's motion is lost
-/// (also at a cut) all tracks end, because nothing says where they went.
+/// (also at a cut) all tracks end, because nothing says where they went. Threads: one at a time.
 class TrackKeeper {
  public:
   /// @throws InputError when the camera or an option is out of range

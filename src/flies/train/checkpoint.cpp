@@ -101,7 +101,7 @@ Checkpoint::Checkpoint(const fs::path& folder, const std::string& fingerprint)
   Json json;
   TrainingState state;
   try {
-    json = Json::parse(detail::read_file(file));
+    json = Json::parse(detail::read_truth(file));
     if (json.at("fingerprint") != fingerprint_)
       throw InputError(
           folder_.string(), "",

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "flies/eval/people.hpp"
+#include "flies/io/test_data.hpp"
 #include "flies/train/training_windows.hpp"
 
 namespace flies {
@@ -11,19 +12,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// KITTI's object pairs where they are at hand, otherwise an empty path.
-fs::path kitti_object() {
-  const char* named = std::getenv("FLIES_TEST_DATA");
-  const char* source = std::getenv("FLIES_SOURCE_DIR");
-  const fs::path data = named ? fs::path(named) : fs::path(source ? source : ".") / "../shared/data";
-  const fs::path folder = data / "kitti_object/training";
-  return fs::exists(folder) ? folder : fs::path();
-}
+constexpr const char* kPairs = "kitti_object/training";
 
 TEST(FindProposals, GivesBackgroundWindowsThatKeepClearOfPeople) {
-  const fs::path folder = kitti_object();
-  if (folder.empty()) GTEST_SKIP() << "needs kitti_object/training in ../shared/data or FLIES_TEST_DATA";
-  const auto pictures = find_proposals(std::vector<std::string>{folder.string()}, DetectorOptions{});
+  const auto folder = testing::find_data(kPairs);
+  if (!folder) GTEST_SKIP() << testing::absence(kPairs);
+  const auto pictures = find_proposals(std::vector<std::string>{folder->string()}, DetectorOptions{});
   std::size_t people = 0, proposals = 0, kept = 0;
   TrainOptions options;
   for (std::size_t i = 0; i < pictures.size(); ++i) {

@@ -84,7 +84,7 @@ std::vector<TrainingPicture> read_labels(const std::vector<fs::path>& label_file
   const auto pictures = by_stem(picture_folder);
   std::vector<TrainingPicture> result;
   for (const auto& file : label_files) {
-    PictureLabels labels = parse(detail::read_file(file), file.string());
+    PictureLabels labels = parse(detail::read_truth(file), file.string());
     const std::string stem = labels.picture.empty() ? file.stem().string() : fs::path(labels.picture).stem().string();
     const auto picture = pictures.find(stem);
     if (picture == pictures.end())

@@ -5,7 +5,7 @@
 #include <iostream>
 #include <vector>
 
-#include "flies/pipeline/detector.hpp"
+#include "flies/flies.hpp"
 
 namespace {
 

@@ -5,11 +5,12 @@
 
 #undef FLIES_BYTE_PRODUCTS
 #define FLIES_BYTE_PRODUCTS HWY_TARGET_STR ",avx512vnni,avx512vbmi2"
+#undef FLIES_BYTE_PRODUCTS_ATTR  // as HWY_ATTR, for lambdas
+#define FLIES_BYTE_PRODUCTS_ATTR __attribute__((target(FLIES_BYTE_PRODUCTS)))
 
-HWY_BEFORE_NAMESPACE();
-namespace flies::kernels::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_AVX3
 HWY_PUSH_ATTRIBUTES(FLIES_BYTE_PRODUCTS)
+namespace flies::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -65,7 +66,6 @@ HWY_INLINE W32 load_blocks(const std::uint8_t* a, const std::uint8_t* b, const s
   return W32{_mm512_inserti64x4(_mm512_castsi256_si512(ab), cd, 1)};
 }
 
+}  // namespace flies::kernels::HWY_NAMESPACE
 HWY_POP_ATTRIBUTES
 #endif  // HWY_TARGET == HWY_AVX3
-}  // namespace flies::kernels::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();

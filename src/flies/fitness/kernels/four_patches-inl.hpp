@@ -5,10 +5,9 @@
 // 32-bit lane belongs to a row and one vector holds columns 0 to 3, the next one columns 4 to 7, and so on: then every
 // sum over a row is four products of bytes, and nothing is left to add up across lanes but the rows.
 
-HWY_BEFORE_NAMESPACE();
-namespace flies::kernels::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_AVX3
 HWY_PUSH_ATTRIBUTES(FLIES_BYTE_PRODUCTS)
+namespace flies::kernels::HWY_NAMESPACE {
 
 constexpr std::size_t kPatchesAtOnce = 4;
 
@@ -186,7 +185,7 @@ struct FourMoments {
     const DW32 d;
     const DW64 d64;
     FourPatches patches(images, weights, places);
-    const auto of_fraction = [&](auto&& value) HWY_ATTR {
+    const auto of_fraction = [&](auto&& value) FLIES_BYTE_PRODUCTS_ATTR {
       return of_patches(places, [&](const PatchPlace& place) { return value(columns, place.fraction16); });
     };
     const W32 fraction = of_fraction([](int n, int f) { return n * f; });
@@ -278,7 +277,6 @@ void evaluate_fours(const PatchImages& images, std::span<const PatchPlace> place
     fallback(images, places, results);
 }
 
+}  // namespace flies::kernels::HWY_NAMESPACE
 HWY_POP_ATTRIBUTES
 #endif  // HWY_TARGET == HWY_AVX3
-}  // namespace flies::kernels::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();

@@ -40,7 +40,7 @@ HWY_INLINE V8 load_twice(const std::uint8_t* block) {
 HWY_INLINE V16 weigh_pairs(V8 bytes, V8 weights) {
 #if HWY_ARCH_X86 && HWY_MAX_BYTES >= 32
   return V16{_mm256_maddubs_epi16(bytes.raw, weights.raw)};
-#elif HWY_ARCH_X86
+#elif HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128
   return V16{_mm_maddubs_epi16(bytes.raw, weights.raw)};
 #else
   const D16 d;

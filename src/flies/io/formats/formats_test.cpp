@@ -10,6 +10,7 @@
 #include "flies/io/calibration.hpp"
 #include "flies/io/formats/toy_rig.hpp"
 #include "flies/io/temporary_folder.hpp"
+#include "flies/io/test_data.hpp"
 
 namespace flies {
 namespace {
@@ -425,10 +426,10 @@ TEST(Formats, TextsMayHaveCommentsBlanksAndNestedLists) {
 }
 
 TEST(Formats, ReadsFilesAsPeopleHaveThem) {
-  const auto data = flies::testing::test_data();
-  if (!data || !std::filesystem::exists(*data / "other/formats"))
-    GTEST_SKIP() << "the real data is not here; set FLIES_TEST_DATA";
-  const auto read = [&](const char* file) { return load_calibration((*data / "other" / file).string()); };
+  const auto formats = flies::testing::find_data("other/formats");
+  if (!formats) GTEST_SKIP() << flies::testing::absence("other/formats");
+  const auto data = formats->parent_path().parent_path();
+  const auto read = [&](const char* file) { return load_calibration((data / "other" / file).string()); };
   EXPECT_NEAR(read("formats/basalt_euroc_ds_calib.json").camera.baseline_m, 0.11023, 1e-5);
   EXPECT_NEAR(read("formats/stereodemo_calibration.json").camera.baseline_m, 0.075, kWritten_m);
   EXPECT_NEAR(read("formats/stixel-camera.xml").camera.mount.height_m, 1.17, kWritten_m);

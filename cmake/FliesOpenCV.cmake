@@ -1,0 +1,21 @@
+# flies_find_opencv(<modules>): the targets opencv_core and so on, by OpenCV's own description or, where that is missing, as
+# in Debian's packages of single modules, by their files. Shared by the build and by the installed package.
+macro(flies_find_opencv)
+  find_package(OpenCV 4.5 QUIET COMPONENTS ${ARGN})
+  if(NOT OpenCV_FOUND)
+    find_path(FLIES_OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4)
+    mark_as_advanced(FLIES_OPENCV_INCLUDE_DIR)
+    foreach(module IN ITEMS ${ARGN})
+      find_library(FLIES_OPENCV_${module} opencv_${module})
+      mark_as_advanced(FLIES_OPENCV_${module})
+      if(NOT FLIES_OPENCV_INCLUDE_DIR OR NOT FLIES_OPENCV_${module})
+        message(FATAL_ERROR "OpenCV's module ${module} is missing; Debian: libopencv-${module}-dev")
+      endif()
+      if(NOT TARGET opencv_${module})
+        add_library(opencv_${module} UNKNOWN IMPORTED)
+        set_target_properties(opencv_${module} PROPERTIES
+          IMPORTED_LOCATION ${FLIES_OPENCV_${module}} INTERFACE_INCLUDE_DIRECTORIES ${FLIES_OPENCV_INCLUDE_DIR})
+      endif()
+    endforeach()
+  endif()
+endmacro()

@@ -1,0 +1,7 @@
+#include "flies/version.hpp"
+
+namespace flies {
+
+std::string_view library_version() { return FLIES_VERSION; }
+
+}  // namespace flies

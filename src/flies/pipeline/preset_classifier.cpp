@@ -1,0 +1,13 @@
+#include "flies/classify/model_file.hpp"
+#include "flies/classify/people_classifier.hpp"
+#include "flies/classify/shipped_model.hpp"
+#include "flies/pipeline/detector.hpp"
+
+namespace flies {
+
+std::shared_ptr<const PeopleClassifier> preset_classifier(Preset preset) {
+  if (preset != Preset::paper) return default_people_classifier();
+  return hog_classifier(parse_embedded_model(shipped_linear_model_text(), "flies-48x96-linear"));
+}
+
+}  // namespace flies

@@ -1,0 +1,127 @@
+#include <bzlib.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <lz4frame.h>
+
+#include <fstream>
+#include <vector>
+
+#include "flies/core/error.hpp"
+#include "flies/io/temporary_folder.hpp"
+#include "flies/record/bag_reader.hpp"
+#include "flies/record/ros_bytes.hpp"
+
+namespace flies {
+namespace {
+
+using testing::BagBytes;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr std::uint64_t kSecond_ns = 1'000'000'000U;
+
+std::string lz4(const std::string& bytes) {
+  std::string packed(LZ4F_compressFrameBound(bytes.size(), nullptr), '\0');
+  packed.resize(LZ4F_compressFrame(packed.data(), packed.size(), bytes.data(), bytes.size(), nullptr));
+  return packed;
+}
+
+std::string bz2(std::string bytes) {
+  std::string packed(bytes.size() + 1000, '\0');
+  auto size = static_cast<unsigned>(packed.size());
+  BZ2_bzBuffToBuffCompress(packed.data(), &size, bytes.data(), static_cast<unsigned>(bytes.size()), 9, 0, 0);
+  packed.resize(size);
+  return packed;
+}
+
+/// Two chunks of three messages, the second one packed as told.
+std::string bag(const std::string& compression, std::string (*pack)(std::string)) {
+  const auto records = [](int first) {
+    std::string own = BagBytes::connection(0, "/a", "std_msgs/A") + BagBytes::connection(1, "/b", "std_msgs/B");
+    for (int i = first; i < first + 3; ++i)
+      own += BagBytes::message({static_cast<std::uint32_t>(i % 2), static_cast<std::uint64_t>(i) * kSecond_ns / 2,
+                                "message " + std::to_string(i)});
+    return own;
+  };
+  const std::string first = records(0), second = records(3);
+  return BagBytes::start() + BagBytes::chunk("none", first, first.size()) +
+         BagBytes::record(0x04, BagBytes::field("ver", "\1"), "index") +
+         BagBytes::chunk(compression, pack(second), second.size()) + BagBytes::record(0x06, "", "");
+}
+
+std::string same(std::string bytes) { return bytes; }
+std::string lz4_copy(std::string bytes) { return lz4(bytes); }
+
+std::string write(const testing::TemporaryFolder& folder, const std::string& bytes) {
+  const std::string path = folder.file("t.bag");
+  std::ofstream(path, std::ios::binary) << bytes;
+  return path;
+}
+
+std::vector<RecordedMessage> messages_of(RecordingReader& reader) {
+  std::vector<RecordedMessage> messages;
+  while (auto message = reader.next()) messages.push_back(std::move(*message));
+  return messages;
+}
+
+TEST(Bag, MessagesAreReadInOrderWhateverTheCompression) {
+  const testing::TemporaryFolder folder;
+  for (const auto& bytes : {bag("none", same), bag("lz4", lz4_copy), bag("bz2", bz2)}) {
+    const auto reader = open_recording(write(folder, bytes));
+    const auto messages = messages_of(*reader);
+    ASSERT_EQ(messages.size(), 6U);
+    EXPECT_TRUE(reader->is_whole());
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      EXPECT_EQ(messages[i].topic, i % 2 == 0 ? "/a" : "/b");
+      EXPECT_EQ(messages[i].schema_name, i % 2 == 0 ? "std_msgs/A" : "std_msgs/B");
+      EXPECT_EQ(messages[i].encoding, "ros1");
+      EXPECT_EQ(messages[i].time_ns, i * kSecond_ns / 2);
+      EXPECT_EQ(messages[i].data, "message " + std::to_string(i));
+    }
+    for (const std::size_t i : {5U, 0U, 4U, 1U}) EXPECT_EQ(reader->at(messages[i].place).data, messages[i].data);
+  }
+}
+
+TEST(Bag, WhatIsCutOffIsReadAsFarAsItIsWhole) {
+  const testing::TemporaryFolder folder;
+  const std::string bytes = bag("none", same);
+  BagReader reader(write(folder, bytes.substr(0, bytes.size() - 40)));
+  EXPECT_EQ(messages_of(reader).size(), 3U);
+  EXPECT_FALSE(reader.is_whole());
+}
+
+TEST(Bag, FaultsAreTold) {
+  const testing::TemporaryFolder folder;
+  const auto read = [&](const std::string& bytes) {
+    BagReader reader(write(folder, bytes));
+    messages_of(reader);
+  };
+  EXPECT_THAT([&] { read("#ROSBAG V1.2\n"); }, ThrowsMessage<InputError>(HasSubstr("is no bag of ROS 1, format 2.0")));
+  EXPECT_THAT([&] { read(bag("zip", same)); },
+              ThrowsMessage<InputError>(HasSubstr("compressed with 'zip', expected none, zstd, lz4 or bz2")));
+  EXPECT_THAT([&] { read(bag("lz4", same)); }, ThrowsMessage<InputError>(HasSubstr("a chunk is damaged")));
+  EXPECT_THAT([&] { read(bag("bz2", lz4_copy)); }, ThrowsMessage<InputError>(HasSubstr("a chunk is damaged")));
+  EXPECT_THAT(
+      [&] {
+        read(BagBytes::start() + BagBytes::message({9, 0, "x"}));
+      },
+      ThrowsMessage<InputError>(HasSubstr("a message is of no connection")));
+}
+
+/// Whatever byte is another, the reader ends, with its own error or with what it understood.
+TEST(Bag, DamagedBytesNeverCrash) {
+  const testing::TemporaryFolder folder;
+  const std::string good = bag("lz4", lz4_copy);
+  for (std::size_t i = 13; i < good.size(); i += 3) {
+    std::string bytes = good;
+    bytes[i] = static_cast<char>(bytes[i] ^ 0x5A);
+    try {
+      BagReader reader(write(folder, bytes));
+      EXPECT_LE(messages_of(reader).size(), 6U);
+    } catch (const InputError&) {
+    }
+  }
+}
+
+}  // namespace
+}  // namespace flies

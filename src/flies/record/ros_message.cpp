@@ -1,0 +1,192 @@
+#include "flies/record/ros_message.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cstring>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <string_view>
+
+#include "flies/core/error.hpp"
+#include "flies/io/image_codecs.hpp"
+#include "flies/io/image_file.hpp"
+
+namespace flies {
+namespace {
+
+/// Largest side of a picture.
+constexpr std::uint32_t kMaxSide_px = 32768;
+
+/// Takes the fields of a message in their order. ROS 1 packs them; ROS 2 (CDR) aligns numbers to their size, counted
+/// from behind four bytes that say in which order bytes stand, and ends texts by a zero.
+class RosFields {
+ public:
+  RosFields(const RecordedMessage& message, const std::string& name)
+      : bytes_(message.data), name_(name), is_cdr_(message.encoding == "cdr") {
+    if (!is_cdr_) return;
+    is_big_endian_ = (take(4)[1] & 1) == 0;
+    origin_ = position_;
+  }
+
+  template <class T>
+  T number() {
+    if (is_cdr_) take((sizeof(T) - (position_ - origin_) % sizeof(T)) % sizeof(T));
+    std::array<char, sizeof(T)> own{};
+    const std::string_view bytes = take(sizeof(T));
+    for (std::size_t i = 0; i < sizeof(T); ++i) own[i] = bytes[is_big_endian_ ? sizeof(T) - 1 - i : i];
+    return std::bit_cast<T>(own);
+  }
+  std::string text() {
+    std::string_view own = take(number<std::uint32_t>());
+    if (is_cdr_ && own.ends_with('\0')) own.remove_suffix(1);
+    return std::string(own);
+  }
+  std::string_view byte_list() { return take(number<std::uint32_t>()); }
+  std::vector<double> number_list() {
+    const auto count = number<std::uint32_t>();
+    if (count > bytes_.size() / sizeof(double)) too_short();
+    std::vector<double> numbers;
+    for (std::uint32_t i = 0; i < count; ++i) numbers.push_back(number<double>());
+    return numbers;
+  }
+  template <std::size_t N>
+  void fill(std::array<double, N>& numbers) {
+    for (double& value : numbers) value = number<double>();
+  }
+
+  /// std_msgs/Header; its stamp in nanoseconds.
+  std::uint64_t header() {
+    if (!is_cdr_) number<std::uint32_t>();  // sequence number
+    const std::uint64_t seconds = number<std::uint32_t>(), rest_ns = number<std::uint32_t>();
+    text();  // frame
+    return seconds * 1'000'000'000U + rest_ns;
+  }
+
+ private:
+  [[noreturn]] void too_short() const { throw InputError(name_, "", "the message ends too early"); }
+  std::string_view take(std::size_t count) {
+    if (count > bytes_.size() - position_) too_short();
+    position_ += count;
+    return bytes_.substr(position_ - count, count);
+  }
+
+  std::string_view bytes_;
+  const std::string& name_;
+  bool is_cdr_, is_big_endian_ = false;
+  std::size_t position_ = 0, origin_ = 0;
+};
+
+/// How pixels lie in an image of ROS.
+struct PixelFormat {
+  std::string_view encoding;
+  int type;        ///< of OpenCV
+  int conversion;  ///< to grey; -1: is grey
+};
+constexpr std::array<PixelFormat, 11> kFormats = {{{"mono8", CV_8UC1, -1},
+                                                   {"8UC1", CV_8UC1, -1},
+                                                   {"rgb8", CV_8UC3, cv::COLOR_RGB2GRAY},
+                                                   {"bgr8", CV_8UC3, cv::COLOR_BGR2GRAY},
+                                                   {"8UC3", CV_8UC3, cv::COLOR_BGR2GRAY},
+                                                   {"rgba8", CV_8UC4, cv::COLOR_RGBA2GRAY},
+                                                   {"bgra8", CV_8UC4, cv::COLOR_BGRA2GRAY},
+                                                   {"8UC4", CV_8UC4, cv::COLOR_BGRA2GRAY},
+                                                   {"mono16", CV_16UC1, -1},
+                                                   {"16UC1", CV_16UC1, -1},
+                                                   {"yuv422", CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}}};
+
+GrayImage gray_of(cv::Mat pixels, int conversion) {
+  cv::Mat gray;
+  if (conversion >= 0)
+    cv::cvtColor(pixels, gray, conversion);
+  else
+    pixels.convertTo(gray, CV_8U, pixels.depth() == CV_16U ? 1.0 / 256.0 : 1.0);
+  if (!gray.isContinuous()) gray = gray.clone();
+  return {gray.cols, gray.rows, std::vector<std::uint8_t>(gray.datastart, gray.dataend)};
+}
+
+GrayImage plain_picture(RosFields& fields, const std::string& name) {
+  const auto height = fields.number<std::uint32_t>(), width = fields.number<std::uint32_t>();
+  const std::string encoding = fields.text();
+  const bool is_big_endian = fields.number<std::uint8_t>() != 0;
+  const auto step = fields.number<std::uint32_t>();
+  const std::string_view data = fields.byte_list();
+  const auto* format = std::ranges::find(kFormats, std::string_view(encoding), &PixelFormat::encoding);
+  if (format == kFormats.end()) {
+    std::vector<std::string_view> known;
+    for (const auto& one : kFormats) known.push_back(one.encoding);
+    throw InputError(name, "encoding", fmt::format("found '{}', expected {}", encoding, fmt::join(known, ", ")));
+  }
+  const auto pixel_bytes = static_cast<std::uint64_t>(CV_ELEM_SIZE(format->type));
+  if (width == 0 || height == 0 || width > kMaxSide_px || height > kMaxSide_px || step < width * pixel_bytes ||
+      data.size() < std::uint64_t{step} * (height - 1) + width * pixel_bytes)
+    throw InputError(name, "data",
+                     fmt::format("found {} bytes and rows of {}, too few for {} x {} px of {}", data.size(), step,
+                                 width, height, encoding));
+  cv::Mat pixels(static_cast<int>(height), static_cast<int>(width), format->type);
+  for (int v = 0; v < pixels.rows; ++v)
+    std::memcpy(pixels.ptr(v), data.data() + static_cast<std::size_t>(v) * step, width * pixel_bytes);
+  if (is_big_endian && pixels.depth() == CV_16U)
+    for (auto pixel = pixels.begin<std::uint16_t>(); pixel != pixels.end<std::uint16_t>(); ++pixel)
+      *pixel = static_cast<std::uint16_t>(*pixel << 8 | *pixel >> 8);
+  return gray_of(pixels, format->conversion);
+}
+
+GrayImage compressed_picture(RosFields& fields, const std::string& name) {
+  fields.text();  // the format, which the bytes tell as well
+  return gray_picture(fields.byte_list(), name);
+}
+
+}  // namespace
+
+GrayImage gray_picture(std::string_view bytes, const std::string& name) {
+  if (const auto fault = detail::image_file_fault(std::string(bytes)); !fault.empty())
+    throw InputError(name, "", fault);
+  const cv::Mat pixels = decode_image(bytes);
+  if (pixels.empty() || pixels.depth() != CV_8U) throw InputError(name, "", "is no picture of 8 bits");
+  return gray_of(pixels, pixels.channels() == 1   ? -1
+                         : pixels.channels() == 4 ? static_cast<int>(cv::COLOR_BGRA2GRAY)
+                                                  : static_cast<int>(cv::COLOR_BGR2GRAY));
+}
+
+RosType ros_type(const RecordedMessage& message) {
+  if (message.encoding != "ros1" && message.encoding != "cdr") return RosType::other;
+  std::string_view schema = message.schema_name;
+  constexpr std::string_view kPackage = "sensor_msgs/", kFolder = "msg/";
+  if (!schema.starts_with(kPackage)) return RosType::other;
+  schema.remove_prefix(kPackage.size());
+  if (schema.starts_with(kFolder)) schema.remove_prefix(kFolder.size());
+  if (schema == "Image") return RosType::image;
+  if (schema == "CompressedImage") return RosType::compressed_image;
+  return schema == "CameraInfo" ? RosType::camera_info : RosType::other;
+}
+
+std::uint64_t ros_stamp_ns(const RecordedMessage& message, const std::string& name) {
+  return RosFields(message, name).header();
+}
+
+GrayImage ros_picture(const RecordedMessage& message, const std::string& name) {
+  RosFields fields(message, name);
+  fields.header();
+  return ros_type(message) == RosType::image ? plain_picture(fields, name) : compressed_picture(fields, name);
+}
+
+RosCameraInfo ros_camera_info(const RecordedMessage& message, const std::string& name) {
+  RosFields fields(message, name);
+  fields.header();
+  RosCameraInfo info;
+  const auto height = fields.number<std::uint32_t>(), width = fields.number<std::uint32_t>();
+  if (height > kMaxSide_px || width > kMaxSide_px)
+    throw InputError(name, "size", fmt::format("found {} x {} px, which no camera has", width, height));
+  info.width_px = static_cast<int>(width);
+  info.height_px = static_cast<int>(height);
+  info.distortion_model = fields.text();
+  info.distortion = fields.number_list();
+  fields.fill(info.intrinsics);
+  fields.fill(info.rectification);
+  fields.fill(info.projection);
+  return info;
+}
+
+}  // namespace flies

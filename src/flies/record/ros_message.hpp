@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "flies/io/gray_image.hpp"
+#include "flies/record/recorded_message.hpp"
+
+namespace flies {
+
+/// What a message of ROS is that we read: sensor_msgs/Image and so on, in ROS 2 sensor_msgs/msg/Image.
+enum class RosType { image, compressed_image, camera_info, other };
+
+/// By encoding ("ros1", "cdr") and schema; `other` for all that is not ROS's.
+RosType ros_type(const RecordedMessage& message);
+
+/// The stamp of a message that is not `other`, nanoseconds: when the camera took the picture.
+/// @param name of the message in errors
+/// @throws InputError when the message ends before its stamp
+std::uint64_t ros_stamp_ns(const RecordedMessage& message, const std::string& name);
+
+/// The picture of an image message, grey. Image: mono8, rgb8, bgr8, rgba8, bgra8, 8UC1, 8UC3, 8UC4, yuv422, mono16 and
+/// 16UC1 (the upper 8 bits). CompressedImage: JPEG or PNG of 8 bits.
+/// @throws InputError naming the message: another encoding, too few bytes, a damaged picture
+GrayImage ros_picture(const RecordedMessage& message, const std::string& name);
+
+/// A JPEG or PNG file of 8 bits in memory, grey.
+/// @throws InputError naming it
+GrayImage gray_picture(std::string_view bytes, const std::string& name);
+
+/// sensor_msgs/CameraInfo.
+struct RosCameraInfo {
+  int width_px = 0, height_px = 0;
+  std::string distortion_model;           ///< plumb_bob, rational_polynomial, equidistant; empty: none
+  std::vector<double> distortion;         ///< D
+  std::array<double, 9> intrinsics{};     ///< K, row by row
+  std::array<double, 9> rectification{};  ///< R: rectified_from_camera, row by row
+  std::array<double, 12> projection{};    ///< P, row by row
+};
+
+/// @throws InputError naming the message when it ends too early
+RosCameraInfo ros_camera_info(const RecordedMessage& message, const std::string& name);
+
+}  // namespace flies

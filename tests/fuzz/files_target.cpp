@@ -1,0 +1,142 @@
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "flies/classify/network_classifier.hpp"
+#include "flies/core/error.hpp"
+#include "flies/eval/disparity_map.hpp"
+#include "flies/eval/kitti_motion.hpp"
+#include "flies/eval/kitti_truth.hpp"
+#include "flies/eval/unlabelled.hpp"
+#include "flies/io/calibration.hpp"
+#include "flies/io/time_stamps.hpp"
+#include "flies/record/mcap_reader.hpp"
+#include "flies/train/checkpoint.hpp"
+#include "tests/fuzz/target.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const flies::StereoCamera kCamera{700, 700, 600, 600, 170, 0.5, 1242, 375, {}};
+
+/// A KITTI raw drive and a network, whole but for the file that the input is.
+struct Folder {
+  fs::path day = fs::temp_directory_path() / ("flies-fuzz-" + std::to_string(::getpid())), drive = day / "drive";
+
+  Folder() {
+    fs::create_directories(drive / "velodyne_points" / "data");
+    fs::create_directories(drive / "oxts" / "data");
+    write(day / "calib_cam_to_cam.txt", "R_rect_00: 1 0 0 0 1 0 0 0 1\nP_rect_02: 700 0 600 0 0 700 170 0 0 0 1 0\n");
+    write(day / "calib_velo_to_cam.txt", "R: 0 -1 0 0 0 -1 1 0 0\nT: 0 0 0\n");
+    write(day / "calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: -0.8 0.3 -0.8\n");
+    write(drive / "tracklet_labels.xml", "<boost_serialization><tracklets></tracklets></boost_serialization>");
+    write(drive / "oxts" / "timestamps.txt", "2011-09-26 13:02:25.964389445\n");
+    write(day / "net.prototxt",
+          "name: \"n\" input: \"data\" input_shape { dim: 1 dim: 1 dim: 8 dim: 4 }\n"
+          "layer { name: \"p\" type: \"Pooling\" bottom: \"data\" top: \"p\" "
+          "pooling_param { pool: AVE global_pooling: true } }\n");
+  }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(day, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  static void write(const fs::path& file, std::string_view text) { std::ofstream(file, std::ios::binary) << text; }
+};
+
+void read_calibrations(const std::string& file) {
+  flies::CalibrationRequest sized, kitti;
+  sized.width_px = kCamera.width_px;
+  sized.height_px = kCamera.height_px;
+  kitti.cameras = {0, 1};
+  for (const auto& request : {flies::CalibrationRequest{}, sized, kitti}) {
+    try {
+      flies::load_calibration(file, request);
+    } catch (const flies::InputError&) {
+    }
+  }
+}
+
+void read_recording(const std::string& file) {
+  flies::McapReader reader(file);
+  while (const auto message = reader.next()) reader.at(message->place);
+}
+
+struct Reader {
+  const char* file;  ///< below the folder
+  std::function<void(const Folder&, const std::string&)> read;
+};
+
+const std::array<Reader, 11> kReaders = {
+    Reader{"calib.txt", [](const Folder&, const std::string& file) { read_calibrations(file); }},
+    Reader{"calib.yaml", [](const Folder&, const std::string& file) { read_calibrations(file); }},
+    Reader{"calib.json", [](const Folder&, const std::string& file) { read_calibrations(file); }},
+    Reader{"calib.xml", [](const Folder&, const std::string& file) { read_calibrations(file); }},
+    Reader{"state.json",
+           [](const Folder& folder, const std::string&) { flies::Checkpoint(folder.day, "x").check_pictures(2); }},
+    Reader{"times.txt", [](const Folder&, const std::string& file) { flies::read_time_stamps(file); }},
+    Reader{"drive/velodyne_points/data/0000000000.bin",
+           [](const Folder& folder, const std::string&) {
+             flies::KittiDrive(folder.drive, kCamera, 2).read("0000000000");
+           }},
+    Reader{"drive/oxts/data/0000000000.txt",
+           [](const Folder& folder, const std::string&) { flies::read_kitti_motion(folder.drive); }},
+    Reader{"recording.mcap", [](const Folder&, const std::string& file) { read_recording(file); }},
+    Reader{"net.yaml", [](const Folder& folder,
+                          const std::string&) { flies::network_classifier((folder.day / "net.prototxt").string()); }},
+    Reader{"unlabelled.txt", [](const Folder&, const std::string& file) { flies::read_unlabelled(file); }}};
+
+}  // namespace
+
+// Everything that is read from a file by its name: the first byte says what the others are.
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const Folder folder;
+  if (size == 0) return 0;
+  const auto& reader = kReaders[data[0] % kReaders.size()];
+  const fs::path file = folder.day / reader.file;
+  Folder::write(file, {reinterpret_cast<const char*>(data) + 1, size - 1});
+  try {
+    reader.read(folder, file.string());
+  } catch (const flies::InputError&) {
+  }
+  fs::remove(file);
+  return 0;
+}
+
+std::vector<std::string> fuzz_seeds() {
+  const auto seed = [](char reader, const std::string& text) { return std::string(1, reader) + text; };
+  std::string points;
+  for (const float value : {12.0F, 1.0F, -1.0F, 0.5F, 1e30F, 0.0F, 0.0F, 0.0F})
+    points.append(reinterpret_cast<const char*>(&value), sizeof value);
+  std::string motion;
+  for (int i = 0; i < 30; ++i) motion += "0.5 ";
+  return {seed(0, "P2: 700 0 600 0 0 700 170 0 0 0 1 0\nP3: 700 0 600 -280 0 700 170 0 0 0 1 0\n"),
+          seed(0, "cam0=[700 0 600; 0 700 170; 0 0 1]\ncam1=[700 0 600; 0 700 170; 0 0 1]\nbaseline=100\nwidth=9\n"),
+          seed(1, "fx_px: 700\ncx_px: 600\ncy_px: 170\nbaseline_m: 0.5\nwidth_px: 1242\nheight_px: 375\n"),
+          seed(1,
+               "%YAML:1.0\n---\nP1: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ 500., 0., 320., "
+               "0., 0., 500., 240., 0., 0., 0., 1., 0. ]\nP2: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   "
+               "data: [ 500., 0., 320., -60., 0., 500., 240., 0., 0., 0., 1., 0. ]\n"),
+          seed(1,
+               "image_width: 640\nimage_height: 480\ndistortion_model: plumb_bob\ncamera_matrix:\n  rows: 3\n  cols: "
+               "3\n  data: [500, 0, 320, 0, 500, 240, 0, 0, 1]\nprojection_matrix:\n  rows: 3\n  cols: 4\n  data: "
+               "[500, 0, 320, -60, 0, 500, 240, 0, 0, 0, 1, 0]\n"),
+          seed(2, R"({"fx_px": 700, "cx_px": 600, "cy_px": 170, "baseline_m": 0.5})"),
+          seed(3,
+               "<?xml version=\"1.0\"?>\n<opencv_storage><P1 type_id=\"opencv-matrix\"><rows>1</rows><cols>2</cols>"
+               "<dt>d</dt><data>1. 2.</data></P1></opencv_storage>\n"),
+          seed(4, R"({"fingerprint": "x", "rounds_done": 1, "rounds": [["round 1", 3, 4]], "background": )"
+                  R"([{"picture": 1, "window": [1, 2, 3, 4], "is_mirrored": false}]})"),
+          seed(5, "0.0\n0.1\n2011-09-26 13:02:25.964389445\n"),
+          seed(6, points),
+          seed(7, motion),
+          seed(8, std::string("\x89MCAP0\r\n", 8) + std::string("\x01\x08\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0", 17)),
+          seed(9, "input_width_px: 4\ninput_height_px: 8\n"),
+          seed(10, "000000 10 20 30 40\n")};
+}
