@@ -19,7 +19,7 @@ struct Case {
 };
 void PrintTo(const Case& c, std::ostream* out) { *out << c.folder; }
 
-class BlackBoxMount : public testing::TestWithParam<Case> {};
+class BlackBoxMount : public ::testing::TestWithParam<Case> {};
 
 TEST_P(BlackBoxMount, IsFoundWhateverWasTold) {
   const auto& [name, height_m] = GetParam();
@@ -53,9 +53,9 @@ TEST_P(BlackBoxMount, StaysWhereItIsRight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Folders, BlackBoxMount,
-                         testing::Values(Case{"kitti_raw/2011_09_26/2011_09_26_drive_0005_sync", 1.65},
-                                         Case{"kitti_object/training", 1.65}, Case{"kitti_stereo2012", 1.65},
-                                         Case{"eth_bahnhof/rectified", 0.98}));
+                         ::testing::Values(Case{"kitti_raw/2011_09_26/2011_09_26_drive_0005_sync", 1.65},
+                                           Case{"kitti_object/training", 1.65}, Case{"kitti_stereo2012", 1.65},
+                                           Case{"eth_bahnhof/rectified", 0.98}));
 
 }  // namespace
 }  // namespace flies::blackbox
