@@ -24,7 +24,7 @@
 namespace {
 
 struct CalibrateArguments {
-  std::string left, right, split = "none", check;
+  std::string left, right, split = "none", pair_by = "auto", check;
   std::string kind = "chessboard", size = "9x6", lens = "pinhole";
   flies::Board board;
   std::string output, picture, json;
@@ -82,7 +82,7 @@ SeenPairs find_boards(const CalibrateArguments& arguments, const flies::Board& b
     throw flies::InputError("RIGHT", arguments.right,
                             is_joined ? "is not needed: with --split one file holds both images" : "is missing");
   const auto paths =
-      is_joined ? flies::find_joined_pairs(arguments.left) : flies::find_pairs(arguments.left, arguments.right);
+      is_joined ? flies::find_joined_pairs(arguments.left) : paired(arguments.left, arguments.right, arguments.pair_by);
   const auto& tools = flies::board_tools();
   if (board.kind != flies::BoardKind::chessboard && !tools.has_markers())
     throw flies::InputError("--kind", arguments.kind,
@@ -225,6 +225,7 @@ void setup_calibrate(CLI::App& app) {
   command->add_option("RIGHT", arguments->right, "folder of right images; none with --split");
   command->add_option("--split", arguments->split, "one file holds both images: side (by side), top (and bottom)")
       ->type_name("HOW");
+  add_pairing_option(*command, arguments->pair_by);
   command
       ->add_option("--board", arguments->size,
                    "columns x rows; chessboard: of inner corners, charuco: of squares, aprilgrid: of tags (9x6)")

@@ -31,7 +31,7 @@ struct Checked {
 
 Checked check(const CheckArguments& arguments) {
   Checked checked;
-  checked.pairs = flies::find_pairs(arguments.left, arguments.right);
+  checked.pairs = paired(arguments.left, arguments.right, arguments.pair_by);
   const auto& [left, right] = checked.pairs.front();
   flies::GrayPair images = flies::load_pair(left, right);
   const auto request = calibration_request(arguments.camera, left, right, images.view());
@@ -130,6 +130,7 @@ void setup_check(CLI::App& app) {
   command->add_option("--calib", arguments->calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE")
       ->required();
+  add_pairing_option(*command, arguments->pair_by);
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
   add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);

@@ -5,7 +5,7 @@
 #include "shared/camera_arguments.hpp"
 
 struct CheckArguments {
-  std::string left, right, calib, picture;
+  std::string left, right, calib, picture, pair_by = "auto";
   CameraArguments camera;
   bool json = false;
 };

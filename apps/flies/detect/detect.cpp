@@ -31,7 +31,7 @@ namespace {
 
 struct DetectArguments {
   std::string left, right;
-  std::string calib;
+  std::string calib, pair_by = "auto";
   CameraArguments camera;
   std::string model;
   RunCorrections corrections;
@@ -100,7 +100,7 @@ flies::GrayPair usable_pair(const flies::PairPaths& paths, const flies::Calibrat
 void run_detect(const DetectArguments& arguments) {
   const flies::DetectorOptions unfitted = effective_options(arguments.method);
   const auto classifier = classifier_for(arguments.method.preset, arguments.model);
-  const auto pairs = flies::find_pairs(arguments.left, arguments.right);
+  const auto pairs = paired(arguments.left, arguments.right, arguments.pair_by);
   const bool is_single = pairs.size() == 1;
   check_outputs(arguments.outputs, pairs, other_inputs(arguments));
 
@@ -187,11 +187,11 @@ void run_detect(const DetectArguments& arguments) {
 
 void add_input_options(CLI::App& command, DetectArguments& arguments) {
   command.add_option("LEFT", arguments.left, "left image, or a folder of left images")->required();
-  command.add_option("RIGHT", arguments.right, "right image, or a folder; the images pair up in name order")
-      ->required();
+  command.add_option("RIGHT", arguments.right, "right image, or a folder; see --pair-by")->required();
   command.add_option("--calib", arguments.calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE")
       ->required();
+  add_pairing_option(command, arguments.pair_by);
   add_cameras_option(command, arguments.camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
   add_calibration_options(command, arguments.camera);
   add_mount_options(command, arguments.camera);
