@@ -168,7 +168,9 @@ GrayPair pair_of(const cv::Mat& left, const cv::Mat& right, const std::string& l
 }  // namespace
 
 GrayPair load_pair(const std::string& left_path, const std::string& right_path) {
-  return pair_of(read_gray(left_path), read_gray(right_path), left_path, right_path);
+  const cv::Mat left = read_gray(left_path);  // the left one's faults are told first
+  const cv::Mat right = read_gray(right_path);
+  return pair_of(left, right, left_path, right_path);
 }
 
 std::optional<Split> split_of(const std::string& word) {
