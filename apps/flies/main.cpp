@@ -89,6 +89,7 @@ void setup(CLI::App& app) {
   setup_live(app);
   setup_check(app);
   setup_calib(app);
+  setup_calibrate(app);
 #ifdef FLIES_HAS_SYNTH
   setup_synth(app);
 #endif
@@ -104,8 +105,9 @@ void setup(CLI::App& app) {
   setup_config(app);
   setup_info(app);
   setup_completion(app);
-  constexpr std::array<std::string_view, 9> kTalking = {
-      "detect", "track", "live", "check", "synth", "evaluate", "evaluate-classifier", "train", "reproduce"};
+  constexpr std::array<std::string_view, 10> kTalking = {"detect",    "track",    "live",     "check",
+                                                         "calibrate", "synth",    "evaluate", "evaluate-classifier",
+                                                         "train",     "reproduce"};
   for (CLI::App* command : app.get_subcommands({}))
     if (std::ranges::find(kTalking, command->get_name()) != kTalking.end()) add_verbosity_options(*command);
   wrap_help(app);

@@ -187,7 +187,9 @@ std::vector<BadInput> bad_inputs() {
       {"FoldersOfDifferentCounts",
        [](const fs::path& f) {
          write_folders(f, 2, 3);
-         return detect({}, "l", "r");
+         Words words = detect({}, "l", "r");
+         words.insert(words.end(), {"--pair-by", "order"});
+         return words;
        },
        {"l", "r", "2", "3"}},
       {"MissingFolder",

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -86,6 +87,29 @@ TEST_F(Calib, RefusesRawImagesOfAFileThatIsOfRectifiedOnes) {
   const RunResult raw = run_flies(folder.path(), {"detect", "left.png", "right.png", "--calib", "calib.txt", "--raw"});
   EXPECT_EQ(raw.status, 2);
   EXPECT_THAT(raw.err, HasSubstr("raw images"));
+}
+
+TEST(PairBy, DetectNamesImagesWithoutAPartnerAndGoesOn) {
+  const TestFolder folder;
+  write_street(folder.path());
+  const auto copy = [&](const char* from, const std::string& to) {
+    std::filesystem::create_directories((folder.path() / to).parent_path());
+    std::filesystem::copy_file(folder.path() / from, folder.path() / to);
+  };
+  for (const char* name : {"1", "2"}) copy("left.png", std::string("l/") + name + ".png");
+  for (const char* name : {"2", "3"}) copy("right.png", std::string("r/") + name + ".png");
+  const auto detect = [&](const std::string& by) {
+    return run_flies(folder.path(), {"detect", "l", "r", "--calib", "calib.txt", "--json", "-", "--pair-by", by});
+  };
+  const RunResult by_name = detect("auto");
+  EXPECT_EQ(by_name.status, 0) << by_name.err;
+  ASSERT_EQ(lines(by_name.out).size(), 1U);
+  EXPECT_EQ(nlohmann::json::parse(by_name.out).at("right"), "r/2.png");
+  EXPECT_THAT(by_name.err, AllOf(HasSubstr("without a partner"), HasSubstr("l/1.png"), HasSubstr("r/3.png")));
+  EXPECT_EQ(lines(detect("order").out).size(), 2U);
+  const RunResult unknown = detect("size");
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("auto, order, name or time"));
 }
 
 }  // namespace

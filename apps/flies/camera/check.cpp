@@ -1,5 +1,9 @@
+#include "camera/check.hpp"
+
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -19,12 +23,6 @@
 
 namespace {
 
-struct CheckArguments {
-  std::string left, right, calib, picture;
-  CameraArguments camera;
-  bool json = false;
-};
-
 struct Checked {
   flies::Calibration calibration;
   std::vector<flies::PairPaths> pairs;
@@ -33,7 +31,7 @@ struct Checked {
 
 Checked check(const CheckArguments& arguments) {
   Checked checked;
-  checked.pairs = flies::find_pairs(arguments.left, arguments.right);
+  checked.pairs = paired(arguments.left, arguments.right, arguments.pair_by);
   const auto& [left, right] = checked.pairs.front();
   flies::GrayPair images = flies::load_pair(left, right);
   const auto request = calibration_request(arguments.camera, left, right, images.view());
@@ -102,6 +100,8 @@ std::string json(const Checked& checked) {
   return object.dump(2) + "\n";
 }
 
+}  // namespace
+
 void run_check(const CheckArguments& arguments) {
   const Checked checked = check(arguments);
   print(arguments.json ? json(checked) : table(checked));
@@ -110,7 +110,17 @@ void run_check(const CheckArguments& arguments) {
   say_notes(notes);
 }
 
-}  // namespace
+std::string fit_of_rig(const CheckArguments& arguments) {
+  const auto& rows = check(arguments).run.diagnosis.rows;
+  if (!rows) return "cannot be told: too few corners are seen in both images";
+  constexpr double kMost_px = 0.5;  // farther apart, recall suffers
+  const double worst_px =
+      std::max({std::abs(rows->offset_px), std::abs(rows->at(0.0)), std::abs(rows->at(2.0 * rows->middle_u_px))});
+  if (worst_px <= kMost_px)
+    return fmt::format("fits the rig: rows lie {:.2f} px apart at most ({} corners)", worst_px, rows->corners);
+  return fmt::format("does not fit the rig any more: rows lie up to {:.2f} px apart ({} corners); calibrate again",
+                     worst_px, rows->corners);
+}
 
 void setup_check(CLI::App& app) {
   CLI::App* command = app.add_subcommand("check", "do these images and this calibration belong together?");
@@ -120,6 +130,7 @@ void setup_check(CLI::App& app) {
   command->add_option("--calib", arguments->calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE")
       ->required();
+  add_pairing_option(*command, arguments->pair_by);
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
   add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);

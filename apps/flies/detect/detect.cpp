@@ -31,7 +31,7 @@ namespace {
 
 struct DetectArguments {
   std::string left, right;
-  std::string calib;
+  std::string calib, pair_by = "auto";
   CameraArguments camera;
   std::string model;
   RunCorrections corrections;
@@ -100,7 +100,7 @@ flies::GrayPair usable_pair(const flies::PairPaths& paths, const flies::Calibrat
 void run_detect(const DetectArguments& arguments) {
   const flies::DetectorOptions unfitted = effective_options(arguments.method);
   const auto classifier = classifier_for(arguments.method.preset, arguments.model);
-  const auto pairs = flies::find_pairs(arguments.left, arguments.right);
+  const auto pairs = paired(arguments.left, arguments.right, arguments.pair_by);
   const bool is_single = pairs.size() == 1;
   check_outputs(arguments.outputs, pairs, other_inputs(arguments));
 
@@ -124,7 +124,8 @@ void run_detect(const DetectArguments& arguments) {
       run_record(arguments.method, options, calibration.camera, arguments.calib, classifier ? classifier->name() : "");
   auto notes = calibration_notes(calibration, arguments.calib);
   for (const auto& note : run.notes) notes.push_back(pairs[first].left + ": " + note);
-  say_notes(notes);
+  // Before a long run; a single pair that cannot be used has one line to say.
+  if (!is_single) say_notes(notes);
   say_run(*run_of);
   constexpr auto kLines = flies::OutputFile::Kind::lines;
   std::optional<flies::OutputFile> json, csv, scan;
@@ -180,6 +181,7 @@ void run_detect(const DetectArguments& arguments) {
   if (json) json->commit();
   if (csv) csv->commit();
   if (scan) scan->commit();
+  if (is_single) say_notes(notes);
   if (!faults.empty())
     throw flies::InputError(arguments.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),
                             "could not be used, the others were; the first: " + faults.front());
@@ -187,11 +189,11 @@ void run_detect(const DetectArguments& arguments) {
 
 void add_input_options(CLI::App& command, DetectArguments& arguments) {
   command.add_option("LEFT", arguments.left, "left image, or a folder of left images")->required();
-  command.add_option("RIGHT", arguments.right, "right image, or a folder; the images pair up in name order")
-      ->required();
+  command.add_option("RIGHT", arguments.right, "right image, or a folder; see --pair-by")->required();
   command.add_option("--calib", arguments.calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE")
       ->required();
+  add_pairing_option(command, arguments.pair_by);
   add_cameras_option(command, arguments.camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
   add_calibration_options(command, arguments.camera);
   add_mount_options(command, arguments.camera);

@@ -9,6 +9,7 @@ void setup_track(CLI::App& app);
 void setup_live(CLI::App& app);
 void setup_check(CLI::App& app);
 void setup_calib(CLI::App& app);
+void setup_calibrate(CLI::App& app);
 void setup_synth(CLI::App& app);
 void setup_evaluate(CLI::App& app);
 void setup_evaluate_classifier(CLI::App& app);

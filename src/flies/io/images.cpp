@@ -146,9 +146,10 @@ GrayImage load_gray_image(const std::string& path, int min_width_px, int min_hei
   return to_8_bits(gray, bit_depth, narrow_band({&gray}, bit_depth));
 }
 
-GrayPair load_pair(const std::string& left_path, const std::string& right_path) {
-  const cv::Mat left = read_gray(left_path);
-  const cv::Mat right = read_gray(right_path);
+namespace {
+
+GrayPair pair_of(const cv::Mat& left, const cv::Mat& right, const std::string& left_path,
+                 const std::string& right_path) {
   if (left.size() != right.size())
     throw InputError(right_path, "size",
                      fmt::format("found {} x {} px, expected {} x {} px as in {}", right.cols, right.rows, left.cols,
@@ -162,6 +163,36 @@ GrayPair load_pair(const std::string& left_path, const std::string& right_path) 
   const int bit_depth = std::max(significant_bits(left), significant_bits(right));
   const auto band = narrow_band({&left, &right}, bit_depth);
   return {to_8_bits(left, bit_depth, band), to_8_bits(right, bit_depth, band), bit_depth};
+}
+
+}  // namespace
+
+GrayPair load_pair(const std::string& left_path, const std::string& right_path) {
+  const cv::Mat left = read_gray(left_path);  // the left one's faults are told first
+  const cv::Mat right = read_gray(right_path);
+  return pair_of(left, right, left_path, right_path);
+}
+
+std::optional<Split> split_of(const std::string& word) {
+  if (word == "none") return Split::none;
+  if (word == "side") return Split::side_by_side;
+  if (word == "top") return Split::top_bottom;
+  return std::nullopt;
+}
+
+GrayPair load_split_pair(const std::string& path, Split split) {
+  const cv::Mat both = read_gray(path);
+  const bool is_side = split == Split::side_by_side;
+  const int length = is_side ? both.cols : both.rows;
+  if (split == Split::none || length % 2 != 0)
+    throw InputError(path, "size",
+                     fmt::format("found {} x {} px, whose {} cannot be halved: does the file hold two images?",
+                                 both.cols, both.rows, is_side ? "width" : "height"));
+  const int width = is_side ? both.cols / 2 : both.cols, height = is_side ? both.rows : both.rows / 2;
+  const cv::Mat left = both(cv::Rect(0, 0, width, height));
+  const cv::Mat right = both(cv::Rect(both.cols - width, both.rows - height, width, height));
+  for (const cv::Mat* half : {&left, &right}) check_pixels(*half, path, {kMinImageWidth_px, kMinImageHeight_px});
+  return pair_of(left, right, path + " (first half)", path + " (second half)");
 }
 
 }  // namespace flies

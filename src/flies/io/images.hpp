@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "flies/io/gray_image.hpp"
@@ -25,5 +26,15 @@ GrayImage load_gray_image(const std::string& path, int min_width_px = kMinImageW
 /// @throws InputError for the faults of `load_gray_image`, for sizes or bit depths that differ, and for one image given
 ///         twice
 GrayPair load_pair(const std::string& left_path, const std::string& right_path);
+
+/// How one file holds both images of a pair.
+enum class Split { none, side_by_side, top_bottom };
+
+/// "none", "side" or "top". @returns nothing for other words
+std::optional<Split> split_of(const std::string& word);
+
+/// Reads a pair from one file: its left (upper) half is the left image.
+/// @throws InputError as `load_pair`, and when the halves are not of one size
+GrayPair load_split_pair(const std::string& path, Split split);
 
 }  // namespace flies

@@ -1,99 +1,28 @@
 #include "flies/io/pair_source.hpp"
 
 #include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
-#include <cctype>
-#include <filesystem>
-#include <string_view>
+#include <fmt/ranges.h>
 
 #include "flies/core/error.hpp"
+#include "flies/io/image_folder.hpp"
+#include "flies/io/pair_matching.hpp"
 
 namespace flies {
-namespace {
 
-namespace fs = std::filesystem;
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-/// Order of names in which runs of digits compare as numbers.
-bool name_less(std::string_view a, std::string_view b) {
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (!is_digit(a[i]) || !is_digit(b[j])) {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i, ++j;
-      continue;
-    }
-    const auto take_number = [](std::string_view text, std::size_t& at) {
-      while (at + 1 < text.size() && text[at] == '0' && is_digit(text[at + 1])) ++at;
-      const std::size_t first = at;
-      while (at < text.size() && is_digit(text[at])) ++at;
-      return text.substr(first, at - first);
-    };
-    const auto number_a = take_number(a, i), number_b = take_number(b, j);
-    if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
-    if (number_a != number_b) return number_a < number_b;
-  }
-  if ((i < a.size()) != (j < b.size())) return j < b.size();
-  return a < b;  // "01" and "1"
+std::vector<PairPaths> find_joined_pairs(const std::string& path) {
+  if (!detail::is_folder(path)) return {{path, path}};
+  std::vector<PairPaths> pairs;
+  for (const auto& image : detail::images_of(path)) pairs.push_back({image, image});
+  return pairs;
 }
-
-bool is_image_name(const fs::path& path) {
-  constexpr std::array<std::string_view, 8> kExtensions = {".png", ".jpg", ".jpeg", ".pgm",
-                                                           ".ppm", ".pnm", ".tif",  ".tiff"};
-  if (path.filename().string().starts_with('.')) return false;
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
-}
-
-std::vector<std::string> images_of(const std::string& folder) {
-  std::vector<fs::path> images;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (is_image_name(entry->path()) && !entry->is_directory()) images.push_back(entry->path());
-  if (error) throw InputError(folder, "", fmt::format("cannot be read: {}", error.message()));
-  if (images.empty()) throw InputError(folder, "", "holds no images, expected PNG, JPEG, PGM or TIFF files");
-  std::sort(images.begin(), images.end(), [](const fs::path& a, const fs::path& b) {
-    return name_less(a.filename().string(), b.filename().string());
-  });
-  std::vector<std::string> names(images.size());
-  std::transform(images.begin(), images.end(), names.begin(), [](const fs::path& path) { return path.string(); });
-  return names;
-}
-
-/// @returns whether `path` is a folder
-bool is_folder(const std::string& path) {
-  std::error_code error;
-  const auto status = fs::status(path, error);
-  if (status.type() == fs::file_type::not_found) throw InputError(path, "", "does not exist");
-  if (error) throw InputError(path, "", fmt::format("cannot be read: {}", error.message()));
-  return fs::is_directory(status);
-}
-
-}  // namespace
 
 std::vector<PairPaths> find_pairs(const std::string& left, const std::string& right) {
-  const bool left_is_folder = is_folder(left);
-  if (left_is_folder != is_folder(right))
-    throw InputError(right, "",
-                     left_is_folder ? fmt::format("is a file, expected a folder as {} is one", left)
-                                    : fmt::format("is a folder, expected a file as {} is one", left));
-  if (!left_is_folder) return {{left, right}};
-
-  const auto left_images = images_of(left), right_images = images_of(right);
-  if (left_images.size() != right_images.size())
-    throw InputError(
-        right, "", fmt::format("holds {} images, expected {} as in {}", right_images.size(), left_images.size(), left));
-  std::vector<PairPaths> pairs(left_images.size());
-  std::transform(left_images.begin(), left_images.end(), right_images.begin(), pairs.begin(),
-                 [](const std::string& l, const std::string& r) {
-                   return PairPaths{l, r};
-                 });
-  return pairs;
+  auto found = match_pairs(left, right, PairBy::automatic);
+  if (found.odd.empty()) return std::move(found.pairs);
+  throw InputError(
+      right, "",
+      fmt::format("holds {} images, expected {} as in {}: no partner has {}", found.pairs.size() + found.odd_right,
+                  found.pairs.size() + found.odd.size() - found.odd_right, left, fmt::join(found.odd, ", ")));
 }
 
 }  // namespace flies

@@ -18,4 +18,9 @@ struct PairPaths {
 ///         differ, or either does not exist
 std::vector<PairPaths> find_pairs(const std::string& left, const std::string& right);
 
+/// Files that hold both images of a pair each: `path`, or the images of that folder in name order. Left and right are
+/// the same file (`load_split_pair`).
+/// @throws InputError when it does not exist, or is a folder that cannot be read or holds no images
+std::vector<PairPaths> find_joined_pairs(const std::string& path);
+
 }  // namespace flies

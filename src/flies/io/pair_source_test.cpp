@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "flies/io/pair_matching.hpp"
 #include "flies/io/temporary_folder.hpp"
 
 namespace flies {
@@ -14,6 +15,7 @@ namespace {
 using flies::testing::error_of;
 using flies::testing::TemporaryFolder;
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -64,6 +66,56 @@ TEST(FindPairs, NamesBothCountsWhenTheyDiffer) {
   folders.root.write("left/2.png", "");
   EXPECT_THAT(error_of([&] { find_pairs(folders.left(), folders.right()); }),
               AllOf(HasSubstr("holds 1 images"), HasSubstr("expected 2")));
+}
+
+/// Left and right names of the pairs, without their folders.
+std::vector<std::string> names_of(const MatchedPairs& found) {
+  std::vector<std::string> names;
+  for (const auto& pair : found.pairs)
+    names.push_back(fs::path(pair.left).filename().string() + " " + fs::path(pair.right).filename().string());
+  return names;
+}
+
+TEST(MatchPairs, ALostFrameDoesNotShiftThoseThatFollow) {
+  const Folders folders;
+  for (const char* name : {"0.png", "1.png", "2.png", "4.png"}) folders.root.write(std::string("left/") + name, "");
+  for (const char* name : {"0.jpg", "2.jpg", "3.jpg", "4.jpg"}) folders.root.write(std::string("right/") + name, "");
+  const auto found = match_pairs(folders.left(), folders.right(), PairBy::automatic);
+  EXPECT_THAT(names_of(found), ElementsAre("0.png 0.jpg", "2.png 2.jpg", "4.png 4.jpg"));
+  EXPECT_THAT(found.odd, ElementsAre(HasSubstr("left/1.png"), HasSubstr("right/3.jpg")));
+  EXPECT_EQ(match_pairs(folders.left(), folders.right(), PairBy::order).pairs.size(), 4U);
+  // Whoever cannot pass over images refuses.
+  EXPECT_THAT(error_of([&] { find_pairs(folders.left(), folders.right()); }),
+              AllOf(HasSubstr("no partner has"), HasSubstr("left/1.png"), HasSubstr("right/3.jpg")));
+}
+
+TEST(MatchPairs, NamesMayTellLeftFromRight) {
+  const Folders folders;
+  for (const char* name : {"left_1.png", "left_2.png"}) folders.root.write(std::string("left/") + name, "");
+  for (const char* name : {"right_2.png", "right_3.png"}) folders.root.write(std::string("right/") + name, "");
+  const auto found = match_pairs(folders.left(), folders.right(), PairBy::automatic);
+  EXPECT_THAT(names_of(found), ElementsAre("left_2.png right_2.png"));
+  EXPECT_EQ(found.odd.size(), 2U);
+}
+
+TEST(MatchPairs, StampsWithoutTrailingZerosCompareAsNumbers) {
+  const Folders folders;
+  for (const char* name : {"1698.103911.png", "1698.204211.png", "1698.304511.png"})
+    folders.root.write(std::string("left/") + name, "");
+  for (const char* name : {"1698.104031.png", "1698.20433.png", "1698.3046.png", "1698.404931.png"})
+    folders.root.write(std::string("right/") + name, "");
+  const auto found = match_pairs(folders.left(), folders.right(), PairBy::automatic);
+  EXPECT_THAT(names_of(found), ElementsAre("1698.103911.png 1698.104031.png", "1698.204211.png 1698.20433.png",
+                                           "1698.304511.png 1698.3046.png"));
+  EXPECT_THAT(found.odd, ElementsAre(HasSubstr("1698.404931.png")));
+}
+
+TEST(MatchPairs, RefusesNamesThatAreNoTimesOrHaveNoPartner) {
+  const Folders folders;
+  folders.add("a.png", "b.png");
+  EXPECT_THAT(error_of([&] { match_pairs(folders.left(), folders.right(), PairBy::time); }), HasSubstr("is no time"));
+  EXPECT_THAT(error_of([&] { match_pairs(folders.left(), folders.right(), PairBy::name); }), HasSubstr("no partner"));
+  EXPECT_EQ(match_pairs(folders.left(), folders.right(), PairBy::automatic).pairs.size(), 1U);
 }
 
 TEST(FindPairs, RejectsWhatCannotBePaired) {

@@ -1,0 +1,260 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "camera/check.hpp"
+#include "flies/core/error.hpp"
+#include "flies/core/stereo_camera.hpp"
+#include "flies/io/images.hpp"
+#include "flies/io/output_file.hpp"
+#include "flies/io/pair_source.hpp"
+#include "flies/rig/calibrate_rig.hpp"
+#include "flies/rig/coverage_picture.hpp"
+#include "shared/commands.hpp"
+#include "shared/progress_bar.hpp"
+#include "shared/standard_output.hpp"
+
+namespace {
+
+struct CalibrateArguments {
+  std::string left, right, split = "none", pair_by = "auto", check;
+  std::string kind = "chessboard", size = "9x6", lens = "pinhole";
+  flies::Board board;
+  std::string output, picture, json;
+};
+
+/// @returns the value of the word. @throws flies::InputError naming the option and what is allowed
+template <class Value, std::size_t Count>
+Value choice(const std::string& word, const char* option, const std::pair<const char*, Value> (&allowed)[Count]) {
+  std::string names;
+  for (const auto& [name, value] : allowed) {
+    if (word == name) return value;
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
+  }
+  throw flies::InputError(option, word, fmt::format("unknown, expected {}", names));
+}
+
+flies::Board board_of(const CalibrateArguments& arguments) {
+  constexpr std::pair<const char*, flies::BoardKind> kKinds[] = {{"chessboard", flies::BoardKind::chessboard},
+                                                                 {"charuco", flies::BoardKind::charuco},
+                                                                 {"aprilgrid", flies::BoardKind::aprilgrid}};
+  flies::Board board = arguments.board;
+  board.kind = choice(arguments.kind, "--kind", kKinds);
+  int end = 0;
+  if (std::sscanf(arguments.size.c_str(), "%dx%d%n", &board.columns, &board.rows, &end) != 2 ||
+      static_cast<std::size_t>(end) != arguments.size.size())
+    throw flies::InputError("--board", arguments.size, "expected columns x rows, e.g. 9x6");
+  if (board.square_m == 0.0)
+    throw flies::InputError("--square", "", "is missing: the side of a square (a tag), metres");
+  flies::check_board(board);
+  return board;
+}
+
+flies::Lens lens_of(const CalibrateArguments& arguments, const flies::Board& board) {
+  constexpr std::pair<const char*, flies::Lens> kLenses[] = {{"pinhole", flies::Lens::brown},
+                                                             {"fisheye", flies::Lens::equidistant}};
+  const auto lens = choice(arguments.lens, "--lens", kLenses);
+  if (lens == flies::Lens::equidistant && board.kind != flies::BoardKind::chessboard)
+    throw flies::InputError("--lens", "fisheye", "takes a chessboard: OpenCV's solver wants all corners in all views");
+  return lens;
+}
+
+/// What the images show, and the size that all of them have.
+struct SeenPairs {
+  std::vector<flies::BoardPair> pairs;
+  std::vector<flies::DroppedView> without;
+  int width_px = 0, height_px = 0;
+};
+
+/// A pair that cannot be read costs that pair.
+SeenPairs find_boards(const CalibrateArguments& arguments, const flies::Board& board) {
+  const auto split = flies::split_of(arguments.split);
+  if (!split) throw flies::InputError("--split", arguments.split, "unknown, expected none, side or top");
+  const bool is_joined = *split != flies::Split::none;
+  if (is_joined != arguments.right.empty())
+    throw flies::InputError("RIGHT", arguments.right,
+                            is_joined ? "is not needed: with --split one file holds both images" : "is missing");
+  const auto paths =
+      is_joined ? flies::find_joined_pairs(arguments.left) : paired(arguments.left, arguments.right, arguments.pair_by);
+  const auto& tools = flies::board_tools();
+  if (board.kind != flies::BoardKind::chessboard && !tools.has_markers())
+    throw flies::InputError("--kind", arguments.kind,
+                            "needs OpenCV's aruco, which was missing when this was built; allowed: chessboard");
+  ProgressBar bar(paths.size());
+  SeenPairs seen;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    bar.show(i);
+    const auto& [left, right] = paths[i];
+    try {
+      const auto images = is_joined ? flies::load_split_pair(left, *split) : flies::load_pair(left, right);
+      if (seen.width_px == 0) seen.width_px = images.left.width_px, seen.height_px = images.left.height_px;
+      if (images.left.width_px != seen.width_px || images.left.height_px != seen.height_px)
+        throw flies::InputError(
+            left, "size",
+            fmt::format("found {} x {} px, expected {} x {} px as in the first pair", images.left.width_px,
+                        images.left.height_px, seen.width_px, seen.height_px));
+      auto pair = flies::matched_boards(board, left, tools.find(images.left.view(), board),
+                                        tools.find(images.right.view(), board));
+      if (pair.left.corners.empty())
+        seen.without.push_back({left, "no board in both images"});
+      else
+        seen.pairs.push_back(std::move(pair));
+    } catch (const flies::InputError& error) {
+      seen.without.push_back({left, error.what()});
+    }
+  }
+  if (seen.pairs.empty())
+    throw flies::InputError(
+        arguments.left, "board",
+        fmt::format("is in none of {} pairs: is it a {} of {}? Of a chessboard the inner corners are "
+                    "counted, and all must be in both images",
+                    paths.size(), arguments.kind, arguments.size));
+  return seen;
+}
+
+double field_of_view_deg(double focal_px, int size_px) {
+  return flies::degrees(2.0 * std::atan(0.5 * size_px / focal_px));
+}
+
+constexpr double kTold_m[] = {5.0, 10.0, 20.0};
+
+std::string table(const flies::RigReport& report) {
+  const auto& solution = report.solution;
+  const auto& camera = report.calibration.camera;
+  std::string text =
+      fmt::format("{:<32}{:>8}{:>10}{:>10}{:>11}\n", "view", "corners", "off [px]", "worst", "rows [px]");
+  for (std::size_t i = 0; i < report.used.size(); ++i) {
+    const auto& view = solution.views[i];
+    double worst_px = 0.0;
+    for (const auto& corner : view.corners) worst_px = std::max({worst_px, corner.left_px, corner.right_px});
+    text += fmt::format("{:<32}{:>8}{:>10.2f}{:>10.2f}{:>11.2f}\n", report.used[i].name, view.corners.size(),
+                        view.rms_px, worst_px, view.row_px);
+  }
+  for (const auto& view : report.dropped) text += fmt::format("{:<32}left out: {}\n", view.name, view.reason);
+  const auto line = [&](const char* name, const std::string& value) { text += fmt::format("{:<24}{}\n", name, value); };
+  line("corners", fmt::format("{:.2f} px off on average", solution.rms_px));
+  line("rows", fmt::format("{:.2f} px apart on average after rectification", solution.row_px));
+  line("baseline", fmt::format("{:.4f} m", camera.baseline_m));
+  line("focal length", fmt::format("{:.2f} px left, {:.2f} px right, {:.2f} px rectified", solution.raw.left.matrix[0],
+                                   solution.raw.right.matrix[0], camera.fx_px));
+  line("field of view",
+       fmt::format("{:.1f} deg across, {:.1f} deg down", field_of_view_deg(camera.fx_px, camera.width_px),
+                   field_of_view_deg(camera.fy_px, camera.height_px)));
+  std::string deviations;
+  for (const double range_m : kTold_m)
+    deviations += fmt::format("{}{:.2f} m at {:.0f} m", deviations.empty() ? "" : ", ",
+                              flies::range_deviation_m(camera, range_m), range_m);
+  line("range error (1 sd)", deviations);
+  for (const auto& note : report.notes) line("note", note);
+  return text;
+}
+
+std::string json(const flies::RigReport& report) {
+  const auto& solution = report.solution;
+  const auto& camera = report.calibration.camera;
+  nlohmann::ordered_json views = nlohmann::ordered_json::array(), dropped = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < report.used.size(); ++i) {
+    const auto& pair = report.used[i];
+    const auto& view = solution.views[i];
+    nlohmann::ordered_json corners = nlohmann::ordered_json::array();
+    for (std::size_t k = 0; k < view.corners.size(); ++k)
+      corners.push_back({{"corner", pair.left.corners[k].corner},
+                         {"left_px", view.corners[k].left_px},
+                         {"right_px", view.corners[k].right_px},
+                         {"row_px", view.corners[k].row_px}});
+    views.push_back({{"name", pair.name},
+                     {"rms_px", view.rms_px},
+                     {"row_px", view.row_px},
+                     {"distance_m", view.distance_m},
+                     {"tilt_across_deg", view.tilt_across_deg},
+                     {"tilt_down_deg", view.tilt_down_deg},
+                     {"corners", corners}});
+  }
+  for (const auto& view : report.dropped) dropped.push_back({{"name", view.name}, {"reason", view.reason}});
+  const nlohmann::ordered_json object = {{"rms_px", solution.rms_px},
+                                         {"row_px", solution.row_px},
+                                         {"baseline_m", camera.baseline_m},
+                                         {"fx_px", camera.fx_px},
+                                         {"width_px", camera.width_px},
+                                         {"height_px", camera.height_px},
+                                         {"focal_deviation", solution.focal_deviation},
+                                         {"views", views},
+                                         {"dropped", dropped},
+                                         {"notes", report.notes}};
+  return object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+void run_calibrate(const CalibrateArguments& arguments) {
+  if (!arguments.check.empty()) {
+    CheckArguments check;
+    check.left = arguments.left;
+    check.right = arguments.right;
+    check.calib = arguments.check;
+    print(fmt::format("{} {}\n", arguments.check, fit_of_rig(check)));
+    return;
+  }
+  if (arguments.output.empty())
+    throw flies::InputError("--output", "", "is missing: the file that the calibration goes to");
+  const auto board = board_of(arguments);
+  const auto lens = lens_of(arguments, board);
+  auto seen = find_boards(arguments, board);
+  auto report =
+      flies::calibrate_rig(flies::board_tools(), board, std::move(seen.pairs), seen.width_px, seen.height_px, lens);
+  report.dropped.insert(report.dropped.end(), seen.without.begin(), seen.without.end());
+  if (!arguments.picture.empty())
+    flies::write_png(arguments.picture, flies::draw_coverage(report.used, report.solution));
+  if (!arguments.json.empty()) flies::write_file(arguments.json, json(report));
+  flies::write_file(arguments.output,
+                    flies::calibration_texts(report.calibration, flies::CalibrationSyntax::opencv).text);
+  if (arguments.json != "-" && arguments.output != "-") print(table(report));
+}
+
+}  // namespace
+
+void setup_calibrate(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("calibrate", "two cameras from pairs that show a board");
+  const auto arguments = std::make_shared<CalibrateArguments>();
+  command->add_option("LEFT", arguments->left, "folder of left images")->required();
+  command->add_option("RIGHT", arguments->right, "folder of right images; none with --split");
+  command->add_option("--split", arguments->split, "one file holds both images: side (by side), top (and bottom)")
+      ->type_name("HOW");
+  add_pairing_option(*command, arguments->pair_by);
+  command
+      ->add_option("--board", arguments->size,
+                   "columns x rows; chessboard: of inner corners, charuco: of squares, aprilgrid: of tags (9x6)")
+      ->type_name("CxR");
+  command->add_option("--kind", arguments->kind, "chessboard (default), charuco or aprilgrid")->type_name("NAME");
+  command->add_option("--square", arguments->board.square_m, "side of a square, or of a tag, metres")->type_name("M");
+  command->add_option("--marker", arguments->board.marker_m, "charuco: side of a marker; aprilgrid: gap between tags")
+      ->type_name("M");
+  command->add_option("--dictionary", arguments->board.dictionary, "charuco: of its markers (4x4_50)")
+      ->type_name("NAME");
+  command->add_option("--lens", arguments->lens, "pinhole (default) or fisheye")->type_name("NAME");
+  command->add_option("--check", arguments->check, "no board: does this calibration still fit the rig?")
+      ->type_name("FILE");
+  command->add_option("--output", arguments->output, "the calibration, which detect reads")
+      ->type_name("FILE")
+      ->group("Output");
+  command->add_option("--picture", arguments->picture, "corners over both images, and where none are")
+      ->type_name("PNG")
+      ->group("Output");
+  command->add_option("--json", arguments->json, "errors of all views and corners; - is standard output")
+      ->type_name("FILE")
+      ->group("Output");
+  command->footer(
+      "\nTen to twenty pairs are enough: hold the board near and far, into all corners of both images, and turn\n"
+      "each of its sides away once. Blurred views and those that do not fit the others are left out and named.\n"
+      "\nExamples:\n"
+      "  flies calibrate left right --board 9x6 --square 0.025 --output rig.yml --picture coverage.png\n"
+      "  flies calibrate both --split side --kind charuco --board 8x6 --square 0.04 --marker 0.03 --output rig.yml\n"
+      "  flies calibrate left.png right.png --check rig.yml\n"
+      "\nExit status: 0 done; 2 a fault in the input, or no calibration can be told from it.");
+  command->callback([arguments] { run_calibrate(*arguments); });
+}

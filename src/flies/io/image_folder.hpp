@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace flies::detail {
+
+/// The images of a folder in name order, as `find_pairs` counts them.
+/// @throws InputError when it cannot be read or holds none
+std::vector<std::string> images_of(const std::string& folder);
+
+/// @returns whether `path` is a folder. @throws InputError when it does not exist or cannot be read
+bool is_folder(const std::string& path);
+
+}  // namespace flies::detail

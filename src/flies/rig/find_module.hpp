@@ -1,0 +1,23 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "flies/rig/board.hpp"
+
+namespace flies {
+
+/// Whether OpenCV's aruco was there when the module was built.
+#ifdef FLIES_HAS_MARKERS
+inline constexpr bool kHasMarkers = true;
+#else
+inline constexpr bool kHasMarkers = false;
+#endif
+
+/// Moves points to the saddle between black and white fields within so many pixels.
+void refine_corners(const cv::Mat& image, std::vector<cv::Point2f>& points, int half_window_px);
+
+/// Corners of a charuco board or an aprilgrid; none without aruco.
+std::vector<BoardCorner> find_marked_board(const cv::Mat& image, const Board& board);
+
+}  // namespace flies

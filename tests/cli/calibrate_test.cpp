@@ -1,0 +1,112 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "run_flies.hpp"
+#include "street_pair.hpp"
+
+namespace flies::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Words = std::vector<std::string>;
+
+const fs::path kOpenCvPairs = "/usr/share/doc/opencv-doc/examples/data";
+
+struct Calibrate : ::testing::Test {
+  RunResult calibrate(const Words& more) const {
+    Words words = {"calibrate"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_flies(folder.path(), words);
+  }
+  void refused(const Words& words, const std::string& part) const {
+    const RunResult result = calibrate(words);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(lines(result.err).size(), 1U) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(part));
+    EXPECT_THAT(folder.listing(), Not(Contains("rig.yml")));
+  }
+  /// The chessboard pairs of Debian's opencv-doc, as two folders and as files that hold both images.
+  void write_opencv_pairs() const {
+    for (const char* name : {"left", "right", "both"}) fs::create_directory(folder.path() / name);
+    for (const auto& file : fs::directory_iterator(kOpenCvPairs)) {
+      const std::string name = file.path().filename().string();
+      if (!name.starts_with("left") || name.size() != std::string("left01.jpg").size()) continue;
+      const std::string number = name.substr(4);
+      const fs::path right = kOpenCvPairs / ("right" + number);
+      fs::create_symlink(file.path(), folder.path() / "left" / number);
+      fs::create_symlink(right, folder.path() / "right" / number);
+      cv::Mat both;
+      cv::hconcat(cv::imread(file.path().string()), cv::imread(right.string()), both);
+      cv::imwrite((folder.path() / "both" / (number + ".png")).string(), both);
+    }
+  }
+  TestFolder folder;
+};
+
+TEST_F(Calibrate, PairsOfOpenCvBecomeAFileThatChecksOut) {
+  if (!fs::exists(kOpenCvPairs / "left01.jpg"))
+    GTEST_SKIP() << "Debian's opencv-doc is not here (scripts/install-deps --checks)";
+  write_opencv_pairs();
+  const RunResult result = calibrate({"left", "right", "--board", "9x6", "--square", "0.025", "--output", "rig.yml",
+                                      "--picture", "coverage.png", "--json", "errors.json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("field of view"), HasSubstr("at 20 m"), HasSubstr("baseline")));
+  const auto errors = nlohmann::json::parse(read_text(folder.path() / "errors.json"));
+  EXPECT_LE(errors.at("row_px").get<double>(), 0.3);
+  EXPECT_EQ(errors.at("views").at(0).at("corners").size(), 54U);
+  EXPECT_GT(cv::imread((folder.path() / "coverage.png").string()).cols, 1280);
+  const RunResult calib = run_flies(folder.path(), {"calib", "rig.yml"});
+  EXPECT_THAT(calib.out, AllOf(HasSubstr("raw, rectified first"), HasSubstr("640 x 480 px")));
+  const RunResult joined =
+      calibrate({"both", "--split", "side", "--board", "9x6", "--square", "0.025", "--output", "both.yml"});
+  ASSERT_EQ(joined.status, 0) << joined.err;
+  EXPECT_EQ(read_text(folder.path() / "both.yml"), read_text(folder.path() / "rig.yml"));
+}
+
+TEST_F(Calibrate, ChecksARigWithoutABoard) {
+  write_street(folder.path());
+  const RunResult fits = calibrate({"left.png", "right.png", "--check", "calib.txt"});
+  EXPECT_EQ(fits.status, 0) << fits.err;
+  EXPECT_THAT(fits.out, HasSubstr("calib.txt fits the rig"));
+  cv::Mat low;
+  const cv::Matx23d moved(1, 0, 0, 0, 1, 2.0);
+  cv::warpAffine(street_pair().right, low, moved, street_pair().right.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::imwrite((folder.path() / "low.png").string(), low);
+  EXPECT_THAT(calibrate({"left.png", "low.png", "--check", "calib.txt"}).out,
+              HasSubstr("does not fit the rig any more"));
+}
+
+TEST_F(Calibrate, RefusesWhatCannotBe) {
+  write_street(folder.path());
+  const Words good = {"left.png", "right.png", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"};
+  const auto with = [&](const Words& more) {
+    Words words = good;
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  refused(good, "is in none of 1 pairs");
+  refused({"left.png", "right.png", "--board", "9x6", "--square", "0.025"}, "--output");
+  refused({"left.png", "right.png", "--board", "9x6", "--output", "rig.yml"}, "--square");
+  refused({"left.png", "right.png", "--board", "9by6", "--square", "0.025", "--output", "rig.yml"}, "9by6");
+  refused({"left.png", "right.png", "--square", "25", "--output", "rig.yml"}, "not millimetres");
+  refused({"left.png", "--square", "0.025", "--output", "rig.yml"}, "RIGHT");
+  refused(with({"--kind", "checkers"}), "expected chessboard");
+  refused(with({"--lens", "wide"}), "expected pinhole");
+  refused(with({"--split", "diagonal"}), "none, side or top");
+  refused(with({"--kind", "charuco", "--marker", "0.02", "--dictionary", "4x4_60"}), "did you mean '4x4_50'?");
+  refused(with({"--kind", "charuco", "--marker", "0.02"}), "charuco");  // none there, or no way to find one
+}
+
+}  // namespace
+}  // namespace flies::testing
