@@ -77,8 +77,8 @@ struct HistogramPlot {
 cv::Mat draw_histograms(std::span<const HistogramPlot> plots);
 cv::Mat draw_histogram(const HistogramPlot& plot);
 
-/// The concentrating step on the left image: what became an obstacle as a green disc, what was discarded as a red
-/// cross, sample points as small yellow dots, and per obstacle one of the boxes that were shown to the classifier,
+/// The concentrating step on the left image: what became a part of an obstacle as a green disc, what was discarded as a
+/// red cross, sample points as small yellow dots, and per obstacle one of the boxes that were shown to the classifier,
 /// which are questions and not answers (paper, figure 4).
 cv::Mat draw_concentrating(const cv::Mat& left, const ConcentrateResult& result, const std::vector<Roi>& rois = {});
 

@@ -17,7 +17,7 @@ constexpr int kStripHeight_px = 34;
 /// Room for the legends.
 constexpr int kOverlayMinWidth_px = 470;
 constexpr int kScannedMinWidth_px = 710;
-constexpr int kConcentratingMinWidth_px = 580;
+constexpr int kConcentratingMinWidth_px = 950;
 
 const cv::Scalar kRoadGray{90, 90, 90};
 
@@ -123,13 +123,13 @@ cv::Mat draw_concentrating(const cv::Mat& left, const ConcentrateResult& result,
   }
   const int middle = left.rows + kStripHeight_px / 2;
   put_kept(canvas, {14, middle});
-  put_text(canvas, "obstacle", {26, middle + 4}, kWhite);
-  put_discarded(canvas, {104, middle});
-  put_text(canvas, "discarded", {114, middle + 4}, kWhite);
-  put_sample(canvas, {198, middle});
-  put_text(canvas, "sample point: fullest range of a view-angle", {208, middle + 4}, kWhite);
-  cv::rectangle(canvas, cv::Rect(530, middle - 9, 9, 18), box_color, 1);
-  put_text(canvas, "looked at for a person, one box an obstacle", {546, middle + 4}, kWhite);
+  put_text(canvas, "part of an obstacle", {26, middle + 4}, kWhite);
+  put_discarded(canvas, {182, middle});
+  put_text(canvas, "discarded", {192, middle + 4}, kWhite);
+  put_sample(canvas, {276, middle});
+  put_text(canvas, "sample point: fullest range of a view-angle", {286, middle + 4}, kWhite);
+  cv::rectangle(canvas, cv::Rect(608, middle - 9, 9, 18), box_color, 1);
+  put_text(canvas, "looked at for a person, one box an obstacle", {624, middle + 4}, kWhite);
   return canvas;
 }
 
