@@ -303,8 +303,12 @@ HWY_INLINE void scout_each(const ScoutSearch& search, std::uint32_t first_fly, s
   }
 }
 
+}  // namespace flies::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
 #if HWY_TARGET == HWY_AVX3
 HWY_PUSH_ATTRIBUTES(FLIES_BYTE_PRODUCTS)
+namespace flies::kernels::HWY_NAMESPACE {
 
 /// The four groups of columns of a block, each in all lanes.
 struct BlockGroups {
@@ -352,11 +356,15 @@ HWY_INLINE void sum_rows_by_bytes(const std::uint8_t* left, const std::uint8_t* 
 void scout_flies_by_bytes(const ScoutSearch& search, std::uint32_t first_fly, std::size_t count, const float* u_px,
                           const float* v_px, float* disparity_px) {
   scout_each(search, first_fly, count, u_px, v_px, disparity_px,
-             [](auto&&... of) HWY_ATTR { sum_rows_by_bytes(of...); });
+             [](auto&&... of) FLIES_BYTE_PRODUCTS_ATTR { sum_rows_by_bytes(of...); });
 }
 
+}  // namespace flies::kernels::HWY_NAMESPACE
 HWY_POP_ATTRIBUTES
 #endif
+
+HWY_BEFORE_NAMESPACE();
+namespace flies::kernels::HWY_NAMESPACE {
 
 void ScoutFlies(const ScoutSearch& search, std::uint32_t first_fly, std::size_t count, const float* u_px,
                 const float* v_px, float* disparity_px) {
