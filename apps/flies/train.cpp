@@ -20,6 +20,7 @@
 #include "flies/train/training_report.hpp"
 #include "flies/version.hpp"
 #include "shared/commands.hpp"
+#include "shared/notes.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/standard_output.hpp"
 
@@ -45,16 +46,17 @@ class ProgressLine {
       what_ = "pictures, " + chapter_;
       if (total > 1)
         bar_.emplace(total, what_.c_str());
-      else if (isatty(STDERR_FILENO) != 0)
+      else if (is_line_wanted())
         std::fprintf(stderr, "\r%s ...", chapter_.c_str());
     }
     if (bar_) bar_->show(done);
   }
 
  private:
+  static bool is_line_wanted() { return verbosity() != Verbosity::quiet && isatty(STDERR_FILENO) != 0; }
   void clear() {
     bar_.reset();
-    if (!chapter_.empty() && isatty(STDERR_FILENO) != 0) std::fputs("\r\033[K", stderr);
+    if (!chapter_.empty() && is_line_wanted()) std::fputs("\r\033[K", stderr);
   }
 
   std::string chapter_, what_;

@@ -91,6 +91,30 @@ TEST_F(LiveCommand, FollowsAFilmOfBothPictures) {
   EXPECT_TRUE(all.back().at("ego").at("is_known").get<bool>());
 }
 
+TEST_F(LiveCommand, IsMadeOfWhatTrackIsMadeOf) {
+  const Words common = {"left", "right", "--rate", "20", "--calib", "calib.txt", "--mount", "given", "--json", "-"};
+  Words live = common, track = common;
+  live.insert(live.end(), {"--every-pair", "--camera-height", "0.5"});
+  track.insert(track.begin(), "track");
+  track.insert(track.end(), {"--camera-height", "0.5"});
+  live.insert(live.begin(), "live");
+  const RunResult of_live = run_flies(folder.path(), live), of_track = run_flies(folder.path(), track);
+  ASSERT_EQ(of_live.status, 0) << of_live.err;
+  ASSERT_EQ(of_track.status, 0) << of_track.err;
+  const json run = json::parse(lines(of_live.out).front()).at("run");
+  EXPECT_EQ(run, json::parse(lines(of_track.out).front()).at("run"));
+  EXPECT_EQ(run.at("people_model"), "flies-48x96");
+  EXPECT_LT(run.at("options").at("road.x_min_m").get<double>(), 4.0) << "a low camera sees the road sooner";
+}
+
+TEST_F(LiveCommand, QuietSaysNothingButResults) {
+  const RunResult result =
+      run({"left", "right", "--rate", "20", "--calib", "calib.txt", "--every-pair", "--json", "-", "--quiet"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.err, "");
+  EXPECT_THAT(lines(result.out), SizeIs(3));
+}
+
 TEST_F(LiveCommand, AllWaysToGiveTwoPicturesSeeTheSame) {
   for (const Words& source : {Words{"below.avi", "--layout", "top-bottom"}, Words{"l.avi", "r.avi"},
                               Words{"left", "right", "--rate", "20"}}) {

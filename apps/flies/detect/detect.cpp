@@ -120,8 +120,7 @@ void run_detect(const DetectArguments& arguments) {
   const RunDiagnosis run = diagnose(pairs, calibration, arguments.corrections);
   const flies::DetectorOptions options = effective_options(arguments.method, calibration.camera);
   flies::Detector detector(calibration.camera, options, classifier);
-  const auto run_of =
-      run_record(arguments.method, options, calibration.camera, arguments.calib, classifier ? classifier->name() : "");
+  const auto run_of = run_record(arguments.method, options, calibration.camera, arguments.calib, arguments.model);
   auto notes = calibration_notes(calibration, arguments.calib);
   for (const auto& note : run.notes) notes.push_back(pairs[first].left + ": " + note);
   // Before a long run; a single pair that cannot be used has one line to say.

@@ -22,6 +22,7 @@
 #include "flies/io/output_file.hpp"
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
+#include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
 #include "shared/progress_bar.hpp"
@@ -29,8 +30,6 @@
 #include "shared/standard_output.hpp"
 
 namespace {
-
-using Overrides = std::vector<std::pair<std::string, std::string>>;
 
 struct EvaluateArguments {
   std::string folder;
@@ -56,13 +55,6 @@ flies::DatasetRequest dataset_request(const EvaluateArguments& arguments) {
   fill_in(request, arguments.camera);
   request.find_mount = arguments.find_mount;
   return request;
-}
-
-template <class Options>
-Options with_overrides(const Overrides& overrides) {
-  Options options;
-  for (const auto& [path, text] : overrides) flies::set_option(options, path, text, "command line");
-  return options;
 }
 
 std::vector<std::size_t> frames_of(const EvaluateArguments& arguments, std::size_t count) {
@@ -222,19 +214,6 @@ void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
   command.add_option("--step", arguments.step, "every so many pairs")->check(CLI::PositiveNumber)->type_name("N");
 }
 
-template <class Options>
-void add_dotted_options(CLI::App& command, const std::string& name, Overrides& overrides) {
-  for (const auto& listing : flies::list_options(Options{}))
-    command
-        .add_option_function<std::string>(
-            "--" + (name.empty() ? listing.path : name + "." + listing.path),
-            [&overrides, path = listing.path](const std::string& text) { overrides.emplace_back(path, text); },
-            fmt::format("{}; {}, default {}", listing.meaning, listing.allowed, listing.value))
-        ->type_name("N")
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-        ->group("Measuring");
-}
-
 }  // namespace
 
 void setup_evaluate(CLI::App& app) {
@@ -264,13 +243,13 @@ void setup_evaluate(CLI::App& app) {
       ->allow_extra_args(false)
       ->type_name("LIST")
       ->group("Method");
-  add_dotted_options<flies::DenseOptions>(*command, "dense", arguments->dense);
-  add_dotted_options<flies::HogOptions>(*command, "hog", arguments->hog);
-  add_dotted_options<flies::MatchOptions>(*command, "match", arguments->match);
-  add_dotted_options<flies::SectorOptions>(*command, "sectors", arguments->sectors);
-  add_dotted_options<flies::PeopleOptions>(*command, "people", arguments->people);
-  add_dotted_options<flies::EstimateOptions>(*command, "estimate", arguments->estimate);
-  add_dotted_options<flies::TrackerOptions>(*command, "", arguments->tracker);
+  add_listed_options<flies::DenseOptions>(*command, "dense.", "Measuring", arguments->dense);
+  add_listed_options<flies::HogOptions>(*command, "hog.", "Measuring", arguments->hog);
+  add_listed_options<flies::MatchOptions>(*command, "match.", "Measuring", arguments->match);
+  add_listed_options<flies::SectorOptions>(*command, "sectors.", "Measuring", arguments->sectors);
+  add_listed_options<flies::PeopleOptions>(*command, "people.", "Measuring", arguments->people);
+  add_listed_options<flies::EstimateOptions>(*command, "estimate.", "Measuring", arguments->estimate);
+  add_listed_options<flies::TrackerOptions>(*command, "", "Measuring", arguments->tracker);
   command
       ->add_flag_function(
           "--sequence,!--no-sequence", [arguments](std::int64_t count) { arguments->sequence = count > 0; },

@@ -18,6 +18,7 @@
 #include "flies/eval/window_data.hpp"
 #include "flies/io/output_file.hpp"
 #include "shared/commands.hpp"
+#include "shared/listed_options.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/standard_output.hpp"
 
@@ -28,17 +29,10 @@ constexpr std::array kFalsePositives = {1e-4, 1e-3, 1e-2};
 struct ClassifierArguments {
   std::vector<std::string> models;
   std::string data;
-  std::vector<std::pair<std::string, std::string>> sampling, estimate;  ///< name and text
+  Overrides sampling, estimate;  ///< name and text
   int threads = 1;
   std::string json, html, plot;
 };
-
-template <class Options>
-Options with_overrides(const std::vector<std::pair<std::string, std::string>>& overrides) {
-  Options options;
-  for (const auto& [path, text] : overrides) flies::set_option(options, path, text, "command line");
-  return options;
-}
 
 /// Scores in log-odds, where the surest windows stay apart that as probabilities are all about 1. Adds the time it
 /// takes to `ms`.
@@ -107,20 +101,6 @@ void run_evaluate_classifier(const ClassifierArguments& arguments) {
   if (arguments.json != "-" && arguments.html != "-") print(classifier_table(results, context));
 }
 
-template <class Options>
-void add_listed_options(CLI::App& command, const std::string& prefix,
-                        std::vector<std::pair<std::string, std::string>>& overrides) {
-  for (const auto& listing : flies::list_options(Options{}))
-    command
-        .add_option_function<std::string>(
-            "--" + prefix + listing.path,
-            [&overrides, path = listing.path](const std::string& text) { overrides.emplace_back(path, text); },
-            fmt::format("{}; {}, default {}", listing.meaning, listing.allowed, listing.value))
-        ->type_name("N")
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-        ->group("Measuring");
-}
-
 }  // namespace
 
 void setup_evaluate_classifier(CLI::App& app) {
@@ -137,8 +117,8 @@ void setup_evaluate_classifier(CLI::App& app) {
   command->add_option("--threads", arguments->threads, "worker threads, 0 for one per core; default 1")
       ->check(CLI::Range(0, 256))
       ->type_name("N");
-  add_listed_options<flies::WindowSampling>(*command, "", arguments->sampling);
-  add_listed_options<flies::EstimateOptions>(*command, "estimate.", arguments->estimate);
+  add_listed_options<flies::WindowSampling>(*command, "", "Measuring", arguments->sampling);
+  add_listed_options<flies::EstimateOptions>(*command, "estimate.", "Measuring", arguments->estimate);
   command->add_option("--json", arguments->json, "all numbers as JSON; - is standard output, without the table")
       ->type_name("FILE")
       ->group("Output");

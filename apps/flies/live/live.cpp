@@ -21,6 +21,7 @@
 #include "live/view.hpp"
 #include "shared/commands.hpp"
 #include "shared/end_on_signal.hpp"
+#include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
 #include "shared/sequence_source.hpp"
@@ -34,7 +35,7 @@ struct LiveArguments {
   RunCorrections corrections;
   std::string model;
   MethodArguments method;
-  std::vector<std::pair<std::string, std::string>> following;
+  Overrides following;
   flies::PairStreamRequest stream;
   std::vector<int> size_px;
   double max_skew_ms = 20.0;
@@ -94,8 +95,9 @@ LiveRequest live_request(LiveArguments& arguments) {
   request.calib = arguments.calib;
   request.camera = arguments.camera;
   request.corrections = arguments.corrections;
-  request.options = effective_options(arguments.method);
-  for (const auto& [path, text] : arguments.following) flies::set_option(request.following, path, text, "command line");
+  request.method = arguments.method;
+  request.model = arguments.model;
+  request.following = with_overrides<flies::TrackerOptions>(arguments.following);
   request.classifier = classifier_for(arguments.method.preset, arguments.model);
   request.max_pairs = arguments.max_pairs;
   return request;
@@ -181,10 +183,9 @@ class Outputs {
 void run_live(LiveArguments arguments) {
   LiveRequest request = live_request(arguments);
   std::optional<tbb::global_control> thread_limit;
-  if (request.options.threads > 0) {
-    thread_limit.emplace(tbb::global_control::max_allowed_parallelism,
-                         static_cast<std::size_t>(request.options.threads));
-    cv::setNumThreads(request.options.threads);
+  if (const int threads = effective_options(request.method).threads; threads > 0) {
+    thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    cv::setNumThreads(threads);
   }
   Outputs outputs(arguments);
   LiveRun run(std::move(request), outputs.sinks());
@@ -239,20 +240,6 @@ void add_source_options(CLI::App& command, LiveArguments& arguments) {
       ->type_name("N");
 }
 
-void add_following_options(CLI::App& command, LiveArguments& arguments) {
-  for (const auto& listing : flies::list_options(flies::TrackerOptions{}))
-    command
-        .add_option_function<std::string>(
-            "--" + listing.path,
-            [&arguments, path = listing.path](const std::string& text) {
-              arguments.following.emplace_back(path, text);
-            },
-            listing.meaning)
-        ->type_name("N")
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-        ->group("");
-}
-
 }  // namespace
 
 void setup_live(CLI::App& app) {
@@ -264,7 +251,7 @@ void setup_live(CLI::App& app) {
   add_mount_options(*command, arguments->camera);
   add_correction_options(*command, arguments->corrections);
   add_method_options(*command, arguments->method);
-  add_following_options(*command, *arguments);
+  add_listed_options<flies::TrackerOptions>(*command, "", "", arguments->following);
   command
       ->add_option("--model", arguments->model,
                    "people model: a name that `flies info` lists, a model file or a network")

@@ -8,6 +8,7 @@
 
 #include "flies/core/stereo_camera.hpp"
 #include "flies/io/gray_image.hpp"
+#include "flies/io/writers.hpp"
 #include "flies/pipeline/engine.hpp"
 
 /// A pair of a living source, as the engine got it.
@@ -35,7 +36,8 @@ struct LiveFrame {
   flies::StereoCamera camera;
   GroundPose pose;
   std::uint64_t seed = 0;
-  std::string preset;
+  std::string preset = {};
+  std::shared_ptr<const flies::RunRecord> run = {};
   std::uint64_t began_ns = 0;  ///< nanoseconds since 1970 at time 0 of the pairs
 };
 

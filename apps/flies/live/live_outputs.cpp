@@ -12,7 +12,8 @@ TrackedFrame tracked_frame(const LiveFrame& frame) {
           .tracking = frame.snapshot->tracking,
           .live = LiveRecord{.latency_ms = frame.snapshot->latency_ms,
                              .skew_ms = 1e3 * frame.pair->skew_s,
-                             .dropped = frame.snapshot->dropped}};
+                             .dropped = frame.snapshot->dropped},
+          .run = frame.run};
 }
 
 void TableSink::take(const LiveFrame& frame) {

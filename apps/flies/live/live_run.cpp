@@ -36,7 +36,8 @@ GroundPose moved(const GroundPose& pose, const flies::EgoMotion& ego) {
 LiveRun::LiveRun(LiveRequest request, std::vector<LiveSink*> sinks)
     : request_(std::move(request)),
       sinks_(std::move(sinks)),
-      options_(request_.options),
+      options_(effective_options(request_.method)),
+      preset_(preset_name(options_)),
       following_(request_.following) {
   // Times of pairs count from the moment at which the stream is made.
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -112,8 +113,15 @@ bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
   diagnosis_ = diagnose_sample(std::move(sample), *calibration_, request_.corrections);
   for (const auto& note : diagnosis_.notes) say(note);
   const std::lock_guard lock(mutex_);
+  if (!options_changed_) options_ = effective_options(request_.method, calibration_->camera);
   engine_ = std::make_shared<flies::Engine>(calibration_->camera, options_, following_, request_.classifier);
+  run_record_ = record_of(options_);
+  say_run(*run_record_);
   return true;
+}
+
+std::shared_ptr<const flies::RunRecord> LiveRun::record_of(const flies::DetectorOptions& options) const {
+  return run_record(request_.method, options, calibration_->camera, request_.calib, request_.model);
 }
 
 std::shared_ptr<LivePair> LiveRun::prepare(flies::StereoFrame frame) {
@@ -135,8 +143,10 @@ void LiveRun::renew_engine_if_asked() {
   const auto following = following_;
   lock.unlock();
   auto engine = std::make_shared<flies::Engine>(calibration_->camera, options, following, request_.classifier);
+  const auto record = record_of(options);
   lock.lock();
   std::swap(engine_, engine);
+  run_record_ = record;
   handed_on_ = 0;
   lock.unlock();  // the old engine ends outside of the lock
 }
@@ -173,11 +183,13 @@ void LiveRun::hand_on_results(const std::shared_ptr<flies::Engine>& engine, std:
   const auto pair = pair_at(snapshot->tracking.time_s);
   if (pair && snapshot->error.empty()) {
     pose_ = moved(pose_, snapshot->tracking.ego);
-    LiveFrame frame{pair, snapshot, calibration_->camera, pose_, 0, {}, began_ns_};
+    LiveFrame frame{
+        .pair = pair, .snapshot = snapshot, .camera = calibration_->camera, .pose = pose_, .began_ns = began_ns_};
     {
       const std::lock_guard lock(mutex_);
       frame.seed = options_.seed;
-      frame.preset = preset_name(options_);
+      frame.preset = preset_;
+      frame.run = run_record_;
     }
     for (LiveSink* sink : sinks_) sink->take(frame);
   }
@@ -279,6 +291,7 @@ void LiveRun::set_option(const std::string& path, const std::string& text) {
     flies::set_option(options, path, text, "options");
     flies::check_detector_options(options, "options");
     options_ = options;
+    preset_ = "custom";
   }
   options_changed_ = true;
 }

@@ -16,6 +16,7 @@
 #include "flies/video/pair_stream.hpp"
 #include "live/live_frame.hpp"
 #include "shared/camera_arguments.hpp"
+#include "shared/method_arguments.hpp"
 #include "shared/run_diagnosis.hpp"
 
 struct LiveRequest {
@@ -23,7 +24,8 @@ struct LiveRequest {
   std::string calib;
   CameraArguments camera;
   RunCorrections corrections;
-  flies::DetectorOptions options;
+  MethodArguments method;
+  std::string model;  ///< of people, as on the command line
   flies::TrackerOptions following;
   std::shared_ptr<const flies::PeopleClassifier> classifier;
   std::uint64_t max_pairs = 0;  ///< ends after so many; 0: when the source does
@@ -56,6 +58,7 @@ class LiveRun {
  private:
   void say(const std::string& sentence);
   bool wait_for_pair(flies::StereoFrame& frame);
+  std::shared_ptr<const flies::RunRecord> record_of(const flies::DetectorOptions& options) const;
   bool begin(std::vector<flies::StereoFrame>& first);
   void calibrate(const flies::StereoFrame& frame);
   std::shared_ptr<LivePair> prepare(flies::StereoFrame frame);
@@ -78,7 +81,9 @@ class LiveRun {
   mutable std::mutex mutex_;  ///< of all below
   std::condition_variable changed_;
   std::shared_ptr<flies::Engine> engine_;
-  flies::DetectorOptions options_;
+  flies::DetectorOptions options_;                      ///< as the user set them, then fitted to the camera
+  std::string preset_;                                  ///< name of what the user set, without what fits the camera
+  std::shared_ptr<const flies::RunRecord> run_record_;  ///< of the present engine
   flies::TrackerOptions following_;
   bool options_changed_ = false;
   bool is_paused_ = false, is_ending_ = false;

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "shared/notes.hpp"
+
 namespace {
 
 constexpr std::size_t kLatencies = 1000;
@@ -13,7 +15,8 @@ constexpr double kShowEvery_s = 0.25;
 
 }  // namespace
 
-LiveStatus::LiveStatus(bool is_line_wanted) : is_visible_(is_line_wanted && isatty(STDERR_FILENO) != 0) {}
+LiveStatus::LiveStatus(bool is_line_wanted)
+    : is_visible_(is_line_wanted && verbosity() != Verbosity::quiet && isatty(STDERR_FILENO) != 0) {}
 
 void LiveStatus::take(const LiveFrame& frame) {
   const auto now = std::chrono::steady_clock::now();
@@ -43,6 +46,7 @@ std::string LiveStatus::text() const {
 }
 
 void LiveStatus::finish(const flies::PairStreamCounts& source) const {
+  if (verbosity() == Verbosity::quiet) return;
   std::string line = text();
   const auto add = [&](std::uint64_t count, const char* what) {
     if (count > 0) line += fmt::format("; {}: {}", what, count);

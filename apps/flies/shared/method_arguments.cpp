@@ -47,17 +47,17 @@ std::string preset_name(const flies::DetectorOptions& options) {
 std::shared_ptr<const flies::RunRecord> run_record(const MethodArguments& arguments,
                                                    const flies::DetectorOptions& options,
                                                    const flies::StereoCamera& camera, const std::string& calibration,
-                                                   const std::string& people_model) {
+                                                   const std::string& model) {
+  const flies::Preset preset = flies::preset_named(arguments.preset, "command line");
   auto run = std::make_shared<flies::RunRecord>();
   run->version = FLIES_VERSION;
   run->calibration = calibration;
   run->camera = camera;
-  run->people_model = people_model;
+  run->people_model = model.empty() ? std::string(flies::preset_people_model(preset)) : model;
   run->preset = arguments.preset;
-  const auto preset = flies::list_options(flies::preset_options(flies::preset_named(arguments.preset, "command line")));
-  const auto used = flies::list_options(options);
+  const auto unchanged = flies::list_options(flies::preset_options(preset)), used = flies::list_options(options);
   for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i].value != preset[i].value && used[i].path != "seed" &&
+    if (used[i].value != unchanged[i].value && used[i].path != "seed" &&
         used[i].path != "threads")  // told beside; no effect
       run->options.emplace_back(used[i].path, used[i].value);
   return run;

@@ -8,12 +8,13 @@
 
 #include "flies/io/writers.hpp"
 #include "flies/pipeline/detector.hpp"
+#include "shared/listed_options.hpp"
 
 /// The options of the method as given on a command line, unchecked.
 struct MethodArguments {
   std::string preset = "default";
   std::string options_file;
-  std::vector<std::pair<std::string, std::string>> overrides;  ///< dotted name and text, in no particular order
+  Overrides overrides;  ///< dotted name and text, in no particular order
 };
 
 /// Adds --preset, --options, --seed, --threads and, hidden from the help because there are so many, every other option
@@ -35,8 +36,10 @@ std::shared_ptr<const flies::PeopleClassifier> classifier_for(const std::string&
 /// The preset whose options these are, whatever seed and threads; "custom" when they are no preset's.
 std::string preset_name(const flies::DetectorOptions& options);
 
-/// What a run is made of, for its record. @param options as they are used, fitted to the camera
+/// What a run is made of, for its record.
+/// @param options as they are used, fitted to the camera
+/// @param model   of people, as on the command line; empty: that of the preset
 std::shared_ptr<const flies::RunRecord> run_record(const MethodArguments& arguments,
                                                    const flies::DetectorOptions& options,
                                                    const flies::StereoCamera& camera, const std::string& calibration,
-                                                   const std::string& people_model);
+                                                   const std::string& model);

@@ -23,6 +23,7 @@
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
 #include "shared/line_file.hpp"
+#include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
 #include "shared/run_diagnosis.hpp"
@@ -39,7 +40,7 @@ struct TrackArguments {
   RunCorrections corrections;
   std::string model;
   MethodArguments method;
-  std::vector<std::pair<std::string, std::string>> following;  ///< options of ego and track: dotted name and text
+  Overrides following;  ///< options of ego and track: dotted name and text
   std::vector<std::string> topics;
   std::string json, kitti, video;
 };
@@ -47,7 +48,8 @@ struct TrackArguments {
 /// Rate and latency on a terminal, a line that is written over, and at the end one that stays.
 class StatusLine {
  public:
-  explicit StatusLine(bool is_wanted) : is_visible_(is_wanted && isatty(STDERR_FILENO) != 0) {}
+  explicit StatusLine(bool is_wanted)
+      : is_visible_(is_wanted && verbosity() != Verbosity::quiet && isatty(STDERR_FILENO) != 0) {}
   ~StatusLine() {
     if (is_visible_ && !latencies_ms_.empty()) std::fprintf(stderr, "\r\033[K%s\n", text().c_str());
   }
@@ -74,12 +76,6 @@ class StatusLine {
   std::vector<double> latencies_ms_;
 };
 
-flies::TrackerOptions tracker_options(const TrackArguments& arguments) {
-  flies::TrackerOptions options;
-  for (const auto& [path, text] : arguments.following) flies::set_option(options, path, text, "command line");
-  return options;
-}
-
 /// The film of a run, in the time of its pairs.
 class TrackFilm {
  public:
@@ -103,7 +99,7 @@ class TrackFilm {
 
 void run_track(TrackArguments arguments) {
   const flies::DetectorOptions unfitted = effective_options(arguments.method);
-  const flies::TrackerOptions following = tracker_options(arguments);
+  const flies::TrackerOptions following = with_overrides<flies::TrackerOptions>(arguments.following);
   const auto classifier = classifier_for(arguments.method.preset, arguments.model);
   if (!arguments.camera.cameras.empty())
     arguments.sequence.cameras = std::array{arguments.camera.cameras[0], arguments.camera.cameras[1]};
@@ -148,7 +144,7 @@ void run_track(TrackArguments arguments) {
       calibration->camera.height_px = pair.left.height_px;
       const auto options = effective_options(arguments.method, calibration->camera);
       tracker.emplace(calibration->camera, options, following, classifier);
-      run_of = run_record(arguments.method, options, calibration->camera, source.calib, classifier->name());
+      run_of = run_record(arguments.method, options, calibration->camera, source.calib, arguments.model);
       auto notes = source.notes;
       for (const auto& note : calibration->notes) notes.push_back(source.calib + ": " + note);
       for (const auto& note : run.notes) notes.push_back(left_path + ": " + note);
@@ -203,17 +199,7 @@ void setup_track(CLI::App& app) {
   add_mount_options(*command, arguments->camera);
   add_correction_options(*command, arguments->corrections);
   add_method_options(*command, arguments->method);
-  for (const auto& listing : flies::list_options(flies::TrackerOptions{}))
-    command
-        ->add_option_function<std::string>(
-            "--" + listing.path,
-            [following = &arguments->following, path = listing.path](const std::string& text) {
-              following->emplace_back(path, text);
-            },
-            fmt::format("{}; {}, default {}", listing.meaning, listing.allowed, listing.value))
-        ->type_name("N")
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-        ->group("Following");
+  add_listed_options<flies::TrackerOptions>(*command, "", "Following", arguments->following);
   command
       ->add_option("--model", arguments->model,
                    "people model: a name that `flies info` lists, a model file or a network")

@@ -67,7 +67,11 @@ struct EnumNames<Preset> {
 };
 DetectorOptions preset_options(Preset preset);
 
-/// Who finds the people with a preset: the shipped classifier; with `paper` its linear machine alone.
+/// The people model of a preset, a name that `people_classifier` knows: the shipped one; of `paper` its linear machine
+/// alone.
+std::string_view preset_people_model(Preset preset);
+
+/// Its classifier.
 std::shared_ptr<const PeopleClassifier> preset_classifier(Preset preset);
 
 /// The options of a preset made for a camera. Presets have a car's camera in mind; of another one's field of detection,

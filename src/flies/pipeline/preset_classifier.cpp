@@ -5,9 +5,13 @@
 
 namespace flies {
 
+std::string_view preset_people_model(Preset preset) {
+  return preset == Preset::paper ? "flies-48x96-linear" : "flies-48x96";
+}
+
 std::shared_ptr<const PeopleClassifier> preset_classifier(Preset preset) {
   if (preset != Preset::paper) return default_people_classifier();
-  return hog_classifier(parse_embedded_model(shipped_linear_model_text(), "flies-48x96-linear"));
+  return hog_classifier(parse_embedded_model(shipped_linear_model_text(), std::string(preset_people_model(preset))));
 }
 
 }  // namespace flies

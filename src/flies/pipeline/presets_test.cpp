@@ -6,6 +6,11 @@
 namespace flies {
 namespace {
 
+TEST(PresetPeopleModel, IsWhatThePresetsClassifierIsMadeOf) {
+  EXPECT_EQ(preset_people_model(Preset::paper), "flies-48x96-linear");
+  EXPECT_EQ(preset_people_model(Preset::robot), "flies-48x96");
+}
+
 TEST(PresetClassifier, IsTheLinearMachineForThePaper) {
   EXPECT_FALSE(preset_classifier(Preset::paper)->looks_twice());
   EXPECT_TRUE(preset_classifier(Preset::standard)->looks_twice());
