@@ -17,13 +17,6 @@ std::string percent(const Rate& rate) {
   return rate.total > 0 ? fmt::format("{:.1f} % ({}/{})", 100.0 * *rate.value(), rate.hits, rate.total) : "-";
 }
 
-std::optional<double> median(std::vector<double> values) {
-  if (values.empty()) return std::nullopt;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 ScoredFrame detect_and_score(Detector& detector, const std::filesystem::path& left, const std::filesystem::path& right,

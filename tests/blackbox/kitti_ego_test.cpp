@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "flies/core/quantile.hpp"
 #include "flies/ego/ego_motion.hpp"
 #include "flies/eval/kitti_motion.hpp"
 #include "flies/io/calibration.hpp"
@@ -18,11 +19,6 @@ constexpr double kMaxSpeedError = 0.015;        // median; what remains is the d
 constexpr double kMaxYawRateError_rps = 0.005;  // median
 constexpr const char* kDay = "kitti_raw/2011_09_26";
 constexpr const char* kDrive = "2011_09_26_drive_0005_sync";
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 TEST(BlackBoxKittiEgo, KeepsToTheGpsAndImu) {
   const auto day = find_data(kDay);
@@ -51,10 +47,10 @@ TEST(BlackBoxKittiEgo, KeepsToTheGpsAndImu) {
     speed_errors.push_back(std::abs(std::hypot(ego.vx_mps, ego.vy_mps) / speed_mps - 1));
     yaw_rate_errors.push_back(std::abs(ego.yaw_rate_rps - (before.yaw_rate_rps + truth[i].yaw_rate_rps) / 2));
   }
-  std::printf("drive 0005: speed off by a median %.2f %%, yaw rate by %.4f rad/s\n", 100 * median(speed_errors),
-              median(yaw_rate_errors));
-  EXPECT_LE(median(speed_errors), kMaxSpeedError);
-  EXPECT_LE(median(yaw_rate_errors), kMaxYawRateError_rps);
+  std::printf("drive 0005: speed off by a median %.2f %%, yaw rate by %.4f rad/s\n", 100 * median_of(speed_errors),
+              median_of(yaw_rate_errors));
+  EXPECT_LE(median_of(speed_errors), kMaxSpeedError);
+  EXPECT_LE(median_of(yaw_rate_errors), kMaxYawRateError_rps);
 }
 
 }  // namespace

@@ -197,7 +197,7 @@ void convert(const flies::Calibration& calibration, const CalibArguments& argume
   const bool is_ros = syntax == flies::CalibrationSyntax::ros;
   if (is_ros && arguments.output.empty())
     throw flies::InputError("--write", "ros", "makes two files; say where: --output left.yaml");
-  const auto texts = flies::calibration_texts(calibration, syntax);
+  const auto texts = flies::calibration_texts(calibration, syntax, arguments.file);
   if (is_ros) {
     flies::OutputFile left(arguments.output), right(right_path_of(arguments.output));
     left.write(texts.text);

@@ -57,7 +57,7 @@ cv::Rect pixel_rect(const ImageBox& box) {
 
 cv::Mat as_bgr(const cv::Mat& image) {
   cv::Mat bgr;
-  if (image.empty()) return {0, 0, CV_8UC3};
+  if (image.empty()) return cv::Mat(0, 0, CV_8UC3);
   if (image.channels() == 1)
     cv::cvtColor(image, bgr, cv::COLOR_GRAY2BGR);
   else

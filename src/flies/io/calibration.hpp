@@ -63,9 +63,11 @@ struct CalibrationTexts {
 };
 
 /// The calibration in another format. Raw images stay raw, where the format has a place for them.
+/// @param source name of the calibration for errors
 /// @throws InputError when the format has none: KITTI and our own for raw images, OpenCV and ROS for lenses that they
 ///         do not have
-CalibrationTexts calibration_texts(const Calibration& calibration, CalibrationSyntax syntax);
+CalibrationTexts calibration_texts(const Calibration& calibration, CalibrationSyntax syntax,
+                                   const std::string& source = "calibration");
 
 /// The KITTI cameras that a pair of paths names: `image_00`, `image_0` and the like in a folder or file name.
 /// @returns nothing unless the paths name one each, and not the same

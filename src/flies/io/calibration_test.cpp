@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "flies/io/formats/toy_rig.hpp"
 #include "flies/io/temporary_folder.hpp"
 #include "flies/io/test_data.hpp"
 
@@ -190,18 +191,7 @@ TEST(Rectifier, PutsTheSamePointOnTheSameRowWhereTheCameraSays) {
     const cv::Mat none = cv::Mat::zeros(3, 1, CV_64F), upright = cv::Mat::eye(3, 3, CV_64F);
     const auto pair = calibration.rectifier->rectify(
         {image_of(raw.m1, raw.d1, upright, none), image_of(raw.m2, raw.d2, raw.r, raw.t), 8});
-    const auto centre = [](const GrayImage& image) {
-      double sum = 0, u_sum = 0, v_sum = 0;
-      for (int v = 0; v < image.height_px; ++v)
-        for (int u = 0; u < image.width_px; ++u) {
-          const double level = image.view().at(u, v);
-          sum += level;
-          u_sum += level * u;
-          v_sum += level * v;
-        }
-      return cv::Point2d(u_sum / sum, v_sum / sum);
-    };
-    const auto left = centre(pair.left), right = centre(pair.right);
+    const auto left = testing::centre_of_dot(pair.left), right = testing::centre_of_dot(pair.right);
     constexpr double kInterpolation_px = 0.15;  // remapping quantises to 1/32 px and the blob to 8 bits
     EXPECT_NEAR(left.y, right.y, kInterpolation_px);
     // The rectified left camera is turned against the raw one, so the depth differs a little from point.z.

@@ -36,12 +36,12 @@ std::array<double, 9> matrix(const StereoCamera& camera, bool is_right) {
   return {camera.fx_px, 0, is_right ? camera.cx_right_px : camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0, 1};
 }
 
-const char* model_name(const RawCamera& camera, const char* format) {
+const char* model_name(const RawCamera& camera, const char* format, const std::string& source) {
   constexpr std::size_t kMostOfPlumbBob = 5;
   if (camera.lens == Lens::equidistant) return "equidistant";
   if (camera.lens == Lens::brown)
     return camera.distortion.size() > kMostOfPlumbBob ? "rational_polynomial" : "plumb_bob";
-  throw InputError("calibration", "lens",
+  throw InputError(source, "lens",
                    fmt::format("is of the {} model, which {} does not have", lens_name(camera.lens), format));
 }
 
@@ -58,7 +58,7 @@ std::string opencv_matrix(const char* key, int rows, const Values& values) {
                      values.size() / static_cast<std::size_t>(rows), fmt::join(values, ", "));
 }
 
-std::string opencv(const Calibration& calibration) {
+std::string opencv(const Calibration& calibration, const std::string& source) {
   const auto& camera = calibration.camera;
   std::string text = "%YAML:1.0\n---\n";
   if (camera.width_px > 0)
@@ -66,7 +66,7 @@ std::string opencv(const Calibration& calibration) {
   if (!calibration.rectifier)
     return text + opencv_matrix("P1", 3, projection(camera, false)) + opencv_matrix("P2", 3, projection(camera, true));
   const auto& raw = calibration.rectifier->raw();
-  text += fmt::format("distortion_model: {}\n", model_name(raw.left, "OpenCV"));
+  text += fmt::format("distortion_model: {}\n", model_name(raw.left, "OpenCV", source));
   return text + opencv_matrix("M1", 3, raw.left.matrix) + opencv_matrix("D1", 1, raw.left.distortion) +
          opencv_matrix("M2", 3, raw.right.matrix) + opencv_matrix("D2", 1, raw.right.distortion) +
          opencv_matrix("R", 3, raw.rotation) + opencv_matrix("T", 3, raw.translation_m);
@@ -78,7 +78,7 @@ std::string ros_matrix(const char* key, int rows, const Values& values) {
                      values.size() / static_cast<std::size_t>(rows), fmt::join(values, ", "));
 }
 
-std::string ros(const Calibration& calibration, bool is_right) {
+std::string ros(const Calibration& calibration, bool is_right, const std::string& source) {
   const auto& camera = calibration.camera;
   const auto& rectifier = calibration.rectifier;
   RawCamera raw{matrix(camera, is_right), {0, 0, 0, 0, 0}, Lens::brown};
@@ -89,27 +89,29 @@ std::string ros(const Calibration& calibration, bool is_right) {
   }
   return fmt::format("image_width: {}\nimage_height: {}\ncamera_name: {}\n", camera.width_px, camera.height_px,
                      is_right ? "right" : "left") +
-         ros_matrix("camera_matrix", 3, raw.matrix) + fmt::format("distortion_model: {}\n", model_name(raw, "ROS")) +
+         ros_matrix("camera_matrix", 3, raw.matrix) +
+         fmt::format("distortion_model: {}\n", model_name(raw, "ROS", source)) +
          ros_matrix("distortion_coefficients", 1, raw.distortion) + ros_matrix("rectification_matrix", 3, rotation) +
          ros_matrix("projection_matrix", 3, projection(camera, is_right));
 }
 
 }  // namespace
 
-CalibrationTexts calibration_texts(const Calibration& calibration, CalibrationSyntax syntax) {
+CalibrationTexts calibration_texts(const Calibration& calibration, CalibrationSyntax syntax,
+                                   const std::string& source) {
   const bool holds_raw = syntax == CalibrationSyntax::opencv || syntax == CalibrationSyntax::ros;
   if (calibration.rectifier && !holds_raw)
-    throw InputError("calibration", "format",
+    throw InputError(source, "format",
                      "is of raw images, and KITTI and our own YAML are of rectified ones; allowed: opencv, ros");
   if (syntax == CalibrationSyntax::ros && calibration.camera.width_px == 0)
-    throw InputError("calibration", "image size", "is missing, and ROS wants it; give it with --size");
+    throw InputError(source, "image size", "is missing, and ROS wants it; give it with --size");
   switch (syntax) {
     case CalibrationSyntax::kitti:
       return {kitti(calibration.camera), ""};
     case CalibrationSyntax::opencv:
-      return {opencv(calibration), ""};
+      return {opencv(calibration, source), ""};
     case CalibrationSyntax::ros:
-      return {ros(calibration, false), ros(calibration, true)};
+      return {ros(calibration, false, source), ros(calibration, true, source)};
     case CalibrationSyntax::yaml:
       break;
   }

@@ -12,6 +12,7 @@ using flies::testing::error_of;
 using flies::testing::expect_rectifies;
 using flies::testing::TemporaryFolder;
 using flies::testing::ToyRig;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr double kExact = 1e-12;  // numbers are written with all their digits
@@ -91,7 +92,8 @@ TEST(CalibrationTexts, RawCamerasComeBackFromOpenCvAndRos) {
 
 TEST(CalibrationTexts, RefusesWhatAFormatHasNoPlaceFor) {
   EXPECT_THAT(error_of([] { calibration_texts(raw(ToyRig()), CalibrationSyntax::kitti); }), HasSubstr("raw images"));
-  EXPECT_THAT(error_of([] { calibration_texts(raw(ToyRig()), CalibrationSyntax::yaml); }), HasSubstr("raw images"));
+  EXPECT_THAT(error_of([] { calibration_texts(raw(ToyRig()), CalibrationSyntax::yaml, "rig.yml"); }),
+              AllOf(HasSubstr("rig.yml"), HasSubstr("raw images")));
   const auto sphere = raw(ToyRig::of(Lens::double_sphere, {-0.24, 0.57}, 260));
   EXPECT_THAT(error_of([&] { calibration_texts(sphere, CalibrationSyntax::opencv); }), HasSubstr("double sphere"));
   Calibration unsized = rectified();

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/io/image_folder.hpp"
 
 namespace flies {
@@ -108,9 +109,7 @@ double patience_s(std::vector<double> times_s) {
   std::sort(times_s.begin(), times_s.end());
   std::vector<double> steps_s;
   for (std::size_t i = 1; i < times_s.size(); ++i) steps_s.push_back(times_s[i] - times_s[i - 1]);
-  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-  std::nth_element(steps_s.begin(), middle, steps_s.end());
-  return 0.5 * *middle;
+  return 0.5 * median_of(std::move(steps_s));
 }
 
 /// Two images are a pair when each is the nearest to the other.

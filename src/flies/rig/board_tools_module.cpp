@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "flies/core/quantile.hpp"
 #include "flies/rig/board_tools.hpp"
 #include "flies/rig/find_module.hpp"
 #include "flies/rig/solve_module.hpp"
@@ -49,10 +50,7 @@ double blur_of(const cv::Mat& image, const std::vector<BoardCorner>& corners) {
     cv::minMaxLoc(slope(window), nullptr, &steepest);
     if (steepest > 0.0) widths.push_back((high - low) / steepest);
   }
-  if (widths.empty()) return 0.0;
-  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
-  std::nth_element(widths.begin(), middle, widths.end());
-  return *middle;
+  return widths.empty() ? 0.0 : flies::median_of(std::move(widths));
 }
 
 class OpenCvTools final : public flies::BoardTools {

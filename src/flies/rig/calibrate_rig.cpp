@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/io/plausible.hpp"
 #include "flies/rig/coverage.hpp"
 
@@ -31,9 +32,7 @@ template <class Value>
 double median(const std::vector<Value>& values, double (*of)(const Value&)) {
   std::vector<double> numbers(values.size());
   std::transform(values.begin(), values.end(), numbers.begin(), of);
-  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
-  std::nth_element(numbers.begin(), middle, numbers.end());
-  return *middle;
+  return median_of(std::move(numbers));
 }
 
 double blur_of(const BoardPair& pair) { return std::max(pair.left.blur_px, pair.right.blur_px); }

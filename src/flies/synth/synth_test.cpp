@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/synth/person.hpp"
 #include "flies/synth/render.hpp"
 
@@ -78,15 +79,11 @@ TEST(RenderPair, RightImageIsTheLeftOneShiftedByTheTruth) {
       errors.push_back(std::abs(right - pair.left_gray.view().at(u, v)));
       unshifted_errors.push_back(std::abs(pair.right_gray.view().at(u, v) - pair.left_gray.view().at(u, v)));
     }
-  const auto median = [](std::vector<double>& values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-  };
   ASSERT_GT(errors.size(), 15000U);
   // Interpolating between pixels and rounding to whole grey levels cost about one level.
   constexpr double kTolerance_gray = 2.0;
-  EXPECT_LT(median(errors), kTolerance_gray);
-  EXPECT_GT(median(unshifted_errors), 2.0 * median(errors));
+  EXPECT_LT(median_of(errors), kTolerance_gray);
+  EXPECT_GT(median_of(unshifted_errors), 2.0 * median_of(errors));
 }
 
 TEST(RenderPair, AppliesGainAndVerticalOffsetToTheRightImageOnly) {

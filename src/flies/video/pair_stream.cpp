@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/video/pair_folder.hpp"
 
 namespace flies {
@@ -183,10 +184,9 @@ void PairStream::watch_skew(double skew_s) {
   if (first_skews_s_.size() >= kSkewsToJudge) return;
   first_skews_s_.push_back(skew_s);
   if (first_skews_s_.size() < kSkewsToJudge) return;
-  auto sorted = first_skews_s_;
-  std::nth_element(sorted.begin(), sorted.begin() + kSkewsToJudge / 2, sorted.end(),
-                   [](double a, double b) { return std::abs(a) < std::abs(b); });
-  const double median_s = std::abs(sorted[kSkewsToJudge / 2]);
+  std::vector<double> sizes_s;
+  for (const double first_s : first_skews_s_) sizes_s.push_back(std::abs(first_s));
+  const double median_s = median_of(std::move(sizes_s));
   if (median_s < kSkewMatters_s) return;
   tell_(
       fmt::format("left and right pictures are {:.1f} ms apart (median of {}): what moves, and all when the camera "
