@@ -23,7 +23,7 @@ constexpr std::size_t kBatch = 128, kPeople = 48, kHard = 40;
 constexpr double kRate = 2e-3, kWarmUp = 0.05, kDecay = 0.02;
 constexpr double kSure = 0.98;  // wanted of people: labels and places are off at times
 constexpr double kHiddenPeople = 0.25, kHiddenBackground = 0.1;
-constexpr std::size_t kFreshPlaces = 12'000, kMostHard = 12'000;
+constexpr std::size_t kFreshPlaces = 30'000, kMostHard = 12'000;
 constexpr float kHardScore = -2.0F;
 
 torch::Tensor batch_of(std::vector<float>& pixels, std::size_t count) {

@@ -155,7 +155,7 @@ NetworkData load_network_data(const DataFolders& folders) {
   append(data.learnt, loaded(find_pictures_of_people(crops, kPersonShare)));
   const std::vector<std::string> empty = {(people / "train/negatives").string()};
   auto background = loaded(find_background(empty));
-  const Split parts = split_in_runs(background.size(), folders.keep_apart ? 0.2 : 0.0);
+  const HoldOut parts = split_in_runs(background.size(), folders.keep_apart ? 0.2 : 0.0);
   for (const auto i : parts.learnt) data.learnt.push_back(std::move(background[i]));
   for (const auto i : parts.kept_apart) data.kept_apart.push_back(std::move(background[i]));
   DetectorOptions options;

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "flies/core/box_overlap.hpp"
+#include "flies/classify/second_look.hpp"
 #include "flies/core/error.hpp"
 
 namespace flies {
@@ -19,17 +19,11 @@ namespace {
 
 constexpr std::string_view kOptionsSource = "classify options";
 
-/// Share of the smaller box that the other one covers.
-double overlap(const ImageBox& a, const ImageBox& b) {
-  const double both_px2 = intersection_px2(a, b);
-  return both_px2 > 0.0 ? both_px2 / std::min(area_px2(a), area_px2(b)) : 0.0;
-}
-
 /// Whether the two verdicts speak of one person. Side by side people differ across the line of sight; in depth the
 /// obstacles of one person scatter, so the radius grows with range, and boxes that cover the same part of the image
 /// are one person at any range: nobody is seen through another.
 bool same_person(const Roi& a, const Roi& b, const ClassifyOptions& options) {
-  if (overlap(a.person, b.person) > options.max_overlap) return true;
+  if (covered_share(a.person, b.person) > options.max_overlap) return true;
   const double a_range_m = std::hypot(a.x_m, a.y_m), b_range_m = std::hypot(b.x_m, b.y_m);
   const double across_m =
       std::abs(std::atan2(a.y_m, a.x_m) - std::atan2(b.y_m, b.x_m)) * std::min(a_range_m, b_range_m);
@@ -48,36 +42,6 @@ double middle_height_m(std::span<const Roi> rois) {
   for (const Roi& roi : rois) heights_m.insert(roi.height_m);
   return *std::next(heights_m.begin(), static_cast<std::ptrdiff_t>(heights_m.size() / 2));
 }
-
-/// Looks whose answers are as many and as probable as they must be, whoever wrote the classifier.
-class CheckedLooks {
- public:
-  CheckedLooks(const PeopleClassifier& classifier, const GrayView& image, std::span<const ImageBox> windows)
-      : name_(classifier.name()), looks_(classifier.look_at(image, windows)) {
-    if (!looks_) throw InputError(name_, "look_at", "found none, expected looks at the windows");
-    const double threshold = classifier.threshold();
-    if (!(threshold >= 0.0 && threshold <= 1.0))
-      throw InputError(name_, "threshold", fmt::format("found {}, expected 0 to 1", threshold));
-  }
-
-  std::vector<double> screen(std::span<const std::size_t> some) { return checked(looks_->screen(some), some.size()); }
-  std::vector<double> classify(std::span<const std::size_t> some) {
-    return checked(looks_->classify(some), some.size());
-  }
-
- private:
-  std::vector<double> checked(std::vector<double> probabilities, std::size_t expected) const {
-    if (probabilities.size() != expected)
-      throw InputError(name_, "probabilities",
-                       fmt::format("found {}, expected {}, one a window", probabilities.size(), expected));
-    for (const double p : probabilities)
-      if (!(p >= 0.0 && p <= 1.0)) throw InputError(name_, "probability", fmt::format("found {}, expected 0 to 1", p));
-    return probabilities;
-  }
-
-  std::string name_;
-  std::unique_ptr<PeopleLooks> looks_;
-};
 
 /// The first look, most of the time of a frame: at the middle height of an obstacle, and where that is hopeless at no
 /// other. A person a fifth taller or smaller than a box still looks a little like one.
@@ -109,76 +73,6 @@ std::vector<double> screen(CheckedLooks& looks, std::span<const Roi> rois, bool 
   return probabilities;
 }
 
-/// Those above the threshold.
-std::vector<std::size_t> surest_first(std::span<const double> probabilities, double threshold) {
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < probabilities.size(); ++i)
-    if (probabilities[i] > threshold) order.push_back(i);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return probabilities[a] > probabilities[b]; });
-  return order;
-}
-
-std::vector<double> values_at(std::span<const double> values, std::span<const std::size_t> indices) {
-  std::vector<double> result;
-  for (const std::size_t i : indices) result.push_back(values[i]);
-  return result;
-}
-
-/// The surest boxes of one obstacle that show the same part of the image as the surest one of all, itself first.
-std::vector<std::size_t> boxes_around(std::size_t surest, std::span<const std::size_t> by_probability,
-                                      std::span<const Roi> rois, const ClassifyOptions& options) {
-  std::vector<std::size_t> boxes{surest};
-  for (const std::size_t i : by_probability) {
-    if (boxes.size() >= static_cast<std::size_t>(options.second_looks)) break;
-    if (i != surest && rois[i].obstacle == rois[surest].obstacle &&
-        overlap(rois[i].person, rois[surest].person) > options.max_overlap)
-      boxes.push_back(i);
-  }
-  return boxes;
-}
-
-/// What the surest of the boxes at one place say together: the mean of their log-odds.
-/// @param missing what each vote says for which there is no box, because the first look let fewer through
-double agreed(std::vector<double> probabilities, double missing, const ClassifyOptions& options) {
-  constexpr double kNearlyZero = 1e-12;  // keeps log-odds finite
-  std::sort(probabilities.begin(), probabilities.end(), std::greater<>());
-  probabilities.resize(static_cast<std::size_t>(std::min(options.votes, options.second_looks)), missing);
-  double sum = 0.0;
-  for (const double probability : probabilities)
-    sum += std::log(std::max(probability, kNearlyZero) / std::max(1.0 - probability, kNearlyZero));
-  return 1.0 / (1.0 + std::exp(-sum / static_cast<double>(probabilities.size())));
-}
-
-/// The last word.
-struct Verdicts {
-  std::vector<double> of_boxes;   ///< 0 for those that were not looked at
-  std::vector<double> of_places;  ///< in their order
-};
-
-/// The second look, at a few boxes of every place. A person looks like one in the boxes beside the best one too; what
-/// only resembles a person does so in a box or two.
-/// @param places         the surest box of each
-/// @param screened        by the first look
-/// @param first_threshold that lets boxes through
-Verdicts look_again(CheckedLooks& looks, std::span<const Roi> rois, std::span<const std::size_t> places,
-                    std::span<const double> screened, double first_threshold, const ClassifyOptions& options) {
-  const auto by_probability = surest_first(screened, first_threshold);
-  std::vector<std::vector<std::size_t>> boxes;
-  std::set<std::size_t> chosen;
-  for (const std::size_t surest : places) {
-    boxes.push_back(boxes_around(surest, by_probability, rois, options));
-    chosen.insert(boxes.back().begin(), boxes.back().end());
-  }
-  const std::vector<std::size_t> all(chosen.begin(), chosen.end());
-  const auto probabilities = looks.classify(all);
-  Verdicts verdicts{std::vector<double>(rois.size(), 0.0), {}};
-  for (std::size_t k = 0; k < all.size(); ++k) verdicts.of_boxes[all[k]] = probabilities[k];
-  for (const auto& of_place : boxes)
-    verdicts.of_places.push_back(agreed(values_at(verdicts.of_boxes, of_place), first_threshold, options));
-  return verdicts;
-}
-
 /// Where the person is between the boxes that were tried: the mean of those of its obstacle that cover the same part of
 /// the image, weighted by their odds.
 Roi averaged(const Roi& surest, std::span<const Roi> rois, std::span<const double> probabilities,
@@ -188,7 +82,7 @@ Roi averaged(const Roi& surest, std::span<const Roi> rois, std::span<const doubl
   double sum = 0.0;
   for (std::size_t i = 0; i < rois.size(); ++i) {
     const Roi& roi = rois[i];
-    if (roi.obstacle != surest.obstacle || overlap(roi.person, surest.person) <= options.max_overlap) continue;
+    if (roi.obstacle != surest.obstacle || covered_share(roi.person, surest.person) <= options.max_overlap) continue;
     const double probability = std::min(probabilities[i], kNearlyOne), odds = probability / (1.0 - probability);
     sum += odds;
     mean.person.u_px += odds * roi.person.u_px;
@@ -245,11 +139,16 @@ ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, cons
   const auto places = suppress_in_metres(rois, result.screened, first_threshold, options);
   const Verdicts verdicts = classifier.looks_twice()
                                 ? look_again(looks, rois, places, result.screened, first_threshold, options)
-                                : Verdicts{result.screened, values_at(result.screened, places)};
-  std::vector<Roi> candidates;
-  for (const std::size_t i : places) candidates.push_back(rois[i]);
-  for (const std::size_t i : suppress_in_metres(candidates, verdicts.of_places, threshold, options)) {
-    const Roi roi = averaged(candidates[i], rois, verdicts.of_boxes, options);
+                                : verdicts_of_one_look(rois, places, result.screened);
+  // Finer looks move places, so that two of them may have become one person.
+  const bool is_refined = options.min_refined_probability < 1.0;
+  std::vector<Roi> proposed, moved;
+  for (const std::size_t place : places) proposed.push_back(rois[place]);
+  for (const std::size_t box : is_refined ? verdicts.surest : places)
+    moved.push_back(averaged(verdicts.boxes[box], verdicts.boxes, verdicts.of_boxes, options));
+  for (const std::size_t i :
+       suppress_in_metres(is_refined ? moved : proposed, verdicts.of_places, threshold, options)) {
+    const Roi& roi = moved[i];
     result.pedestrians.push_back(
         {roi.x_m, roi.y_m, std::hypot(roi.x_m, roi.y_m), roi.height_m, verdicts.of_places[i], roi.person});
   }

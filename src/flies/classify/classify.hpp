@@ -20,6 +20,8 @@ struct ClassifyOptions {
   double max_overlap = 0.6;
   double min_first_probability = 0.02;
   double min_middle_probability = 0.005;
+  double min_second_probability = 0.0;
+  double min_refined_probability = 1.0;
   int second_looks = 5;
   int votes = 3;
 
@@ -44,6 +46,12 @@ struct ClassifyOptions {
         "min_middle_probability", self.min_middle_probability, Range{0.0, 1.0},
         "an obstacle whose boxes of the middle height are all less probable than this at the first of two looks is no "
         "person, and its other heights are not looked at; 0 looks at all");
+    field("min_second_probability", self.min_second_probability, Range{0.0, 1.0},
+          "a place whose two surest boxes are both less probable than this by a model's second stage is no person, and "
+          "no more of its boxes are looked at; 0 looks at all");
+    field("min_refined_probability", self.min_refined_probability, Range{0.0, 1.0},
+          "a place one of whose boxes is more probable than this by a model's second stage is looked at again in boxes "
+          "half a step beside that one, a little larger and smaller; 1 refines none");
     field("second_looks", self.second_looks, Range{1, 1000},
           "boxes at each place that are shown to a model's second stage, the surest at first look");
     field("votes", self.votes, Range{1, 1000},

@@ -14,14 +14,14 @@ auto key_of(const TrainingWindow& w) {
 
 }  // namespace
 
-Split split_in_runs(std::size_t pictures, double share) {
+HoldOut split_in_runs(std::size_t pictures, double share) {
   constexpr std::size_t kRuns = 20;
   const std::size_t runs = std::min(kRuns, pictures);
   const auto is_kept_apart = [&](std::size_t run) {
     const auto before = std::floor(static_cast<double>(run) * share);
     return std::floor(static_cast<double>(run + 1) * share) > before;
   };
-  Split split;
+  HoldOut split;
   for (std::size_t i = 0; i < pictures; ++i)
     (is_kept_apart(i * runs / pictures) ? split.kept_apart : split.learnt).push_back(static_cast<std::uint32_t>(i));
   // A small share of few runs may be none of them, and a large one all.

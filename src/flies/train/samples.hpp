@@ -20,14 +20,14 @@ struct Samples {
 };
 
 /// Pictures that are learnt from and pictures that are kept apart, by index.
-struct Split {
+struct HoldOut {
   std::vector<std::uint32_t> learnt, kept_apart;
 };
 
 /// Cuts the pictures, in their order, into runs and keeps `share` of the runs apart, evenly spread: pictures that
 /// follow each other show the same street, and would make validation too rosy when they were torn apart.
 /// @returns at least one picture on both sides when there are two or more
-Split split_in_runs(std::size_t pictures, double share);
+HoldOut split_in_runs(std::size_t pictures, double share);
 
 /// All windows with people of these pictures.
 Samples people_samples(std::span<const TrainingPicture> pictures, std::span<const std::uint32_t> chosen,

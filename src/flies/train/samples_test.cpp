@@ -26,7 +26,7 @@ Samples two_people_and(std::vector<float> background) {
 }
 
 TEST(SplitInRuns, KeepsNeighboursTogether) {
-  const Split split = split_in_runs(100, 0.2);
+  const HoldOut split = split_in_runs(100, 0.2);
   EXPECT_THAT(split.kept_apart, SizeIs(20));
   EXPECT_THAT(split.learnt, SizeIs(80));
   int gaps = 0;
@@ -37,7 +37,7 @@ TEST(SplitInRuns, KeepsNeighboursTogether) {
 TEST(SplitInRuns, LeavesSomethingOnBothSides) {
   for (const double share : {0.01, 0.5, 0.9}) {
     for (const std::size_t count : {2U, 3U, 4U, 19U, 21U}) {
-      const Split split = split_in_runs(count, share);
+      const HoldOut split = split_in_runs(count, share);
       EXPECT_THAT(split.learnt, ::testing::Not(IsEmpty())) << count << " " << share;
       EXPECT_THAT(split.kept_apart, ::testing::Not(IsEmpty())) << count << " " << share;
       EXPECT_EQ(split.learnt.size() + split.kept_apart.size(), count);

@@ -26,7 +26,7 @@ constexpr std::uint32_t kFirstKernelRound = 100;
 constexpr std::uint32_t kWindowsKeptApart = 1000;
 
 struct Parts {
-  Split people, background;
+  HoldOut people, background;
 };
 
 /// Pairs with proposals are all learnt from: those of one drive show one street, so that what is kept apart of them
