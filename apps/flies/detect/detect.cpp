@@ -228,7 +228,7 @@ void setup_detect(CLI::App& app) {
       ->group("Method");
   add_output_options(*command, arguments->outputs);
   command->footer(
-      "\nImages are PNG, JPEG, PGM or TIFF, grey or colour, 8 or 16 bit. Every option of the method can be\n"
+      "\nImages are PNG, JPEG, PGM, PPM, TIFF, WebP or BMP, grey or colour. Every option of the method can be\n"
       "given by its dotted name, e.g. --evolve.flies 3000; `flies config --list` prints them all with their\n"
       "range, default and meaning. The preset is overruled by --options FILE, and that by the command line.\n"
       "Without output options a table is printed. On folders, files written per pair carry the name of the\n"

@@ -11,8 +11,8 @@ namespace flies {
 inline constexpr int kMinImageWidth_px = 64;
 inline constexpr int kMinImageHeight_px = 48;
 
-/// Reads one image as 8-bit grey: PNG, JPEG, PGM/PPM or TIFF with 8 or 16 bits, grey or colour, with or without alpha
-/// (ignored). Colour becomes grey with the weights of ITU-R BT.601; 16 bits are scaled as in `load_pair`.
+/// Reads one image as 8-bit grey: PNG, JPEG, PGM/PPM, TIFF, WebP or BMP with 8 to 16 bits, grey or colour, with or
+/// without alpha (ignored). It is turned as its EXIF orientation says. Colour becomes grey with the weights of ITU-R BT.601; 16 bits are scaled as in `load_pair`.
 /// @throws InputError naming the file: missing, a folder, not an image, truncated or damaged, floating point, smaller
 ///         than the least size, a single grey level throughout
 GrayImage load_gray_image(const std::string& path, int min_width_px = kMinImageWidth_px,

@@ -12,6 +12,8 @@
 
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
+#include "flies/io/image_file.hpp"
+#include "flies/io/image_folder.hpp"
 #include "flies/io/images.hpp"
 #include "flies/train/picture_labels.hpp"
 
@@ -20,8 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 8> kPictures = {".png", ".jpg", ".jpeg", ".pgm",
-                                                       ".ppm", ".pnm", ".tif",  ".tiff"};
 /// Crops may be as small as the window that is learnt, or smaller.
 constexpr int kMinCropWidth_px = 8;
 constexpr int kMinCropHeight_px = 16;
@@ -32,7 +32,6 @@ bool has_extension(const fs::path& path, std::span<const std::string_view> exten
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
 }
-bool is_picture(const fs::path& path) { return has_extension(path, kPictures); }
 bool is_xml(const fs::path& path) {
   constexpr std::array<std::string_view, 1> kXml = {".xml"};
   return has_extension(path, kXml);
@@ -74,7 +73,7 @@ TrainingPicture labelled(const fs::path& picture, PictureLabels labels) {
 /// Pictures by their name without extension, to be found from the name of a label file.
 std::map<std::string, fs::path> by_stem(const fs::path& folder) {
   std::map<std::string, fs::path> pictures;
-  for (const auto& file : files_below(folder, is_picture)) pictures.emplace(file.stem().string(), file);
+  for (const auto& file : files_below(folder, detail::is_image_name)) pictures.emplace(file.stem().string(), file);
   return pictures;
 }
 
@@ -110,12 +109,12 @@ std::vector<TrainingPicture> find_pictures(const std::string& folder, bool are_c
   check_folder(folder);
   if (auto pictures = labelled_pictures(folder)) return std::move(*pictures);
   std::vector<TrainingPicture> pictures;
-  for (const auto& file : files_below(folder, is_picture)) {
+  for (const auto& file : files_below(folder, detail::is_image_name)) {
     pictures.emplace_back().path = file.string();
     pictures.back().is_crop = are_crops;
   }
   if (pictures.empty())
-    throw InputError(folder, "", "found no pictures, expected PNG, JPEG, PGM, PPM or TIFF in it or below");
+    throw InputError(folder, "", fmt::format("found no pictures, expected {} in it or below", detail::kReadableImages));
   return pictures;
 }
 
