@@ -11,7 +11,6 @@ class Mat;
 namespace flies {
 
 /// Decodes a PNG, JPEG, PNM, TIFF, WebP or BMP file in memory, and turns the image as its EXIF orientation says. Not
-/// with OpenCV's imgcodecs, for loading the hundred libraries
 /// with OpenCV's imgcodecs, for loading the hundred libraries that it brings along takes longer than all the rest of
 /// `flies detect`.
 /// @param bytes that `detail::image_file_fault` has nothing against
