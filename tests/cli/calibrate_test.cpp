@@ -1,10 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
 #include <string>
 #include <vector>
 
@@ -87,6 +89,36 @@ TEST_F(Calibrate, ChecksARigWithoutABoard) {
               HasSubstr("does not fit the rig any more"));
 }
 
+/// A film in which each of the pairs is held for four pictures.
+void write_film(const fs::path& from, const fs::path& film) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(from)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  const cv::Size size = cv::imread(files.front().string()).size();
+  cv::VideoWriter writer(film.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10.0, size);
+  for (const auto& file : files) {
+    const cv::Mat picture = cv::imread(file.string());
+    for (int i = 0; i < 4; ++i) writer.write(picture);
+  }
+}
+
+TEST_F(Calibrate, TakesViewsWhileABoardIsHeldBeforeLivingCameras) {
+  if (!fs::exists(kOpenCvPairs / "left01.jpg"))
+    GTEST_SKIP() << "Debian's opencv-doc is not here (scripts/install-deps --checks)";
+  write_opencv_pairs();
+  write_film(folder.path() / "both", folder.path() / "both.avi");
+  const Words words = {"both.avi", "--live", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"};
+  const RunResult result = calibrate(words);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("view 10 taken"));
+  EXPECT_THAT(result.out, HasSubstr("baseline                0.08"));
+  EXPECT_THAT(folder.listing(), Contains("rig.yml"));
+  Words few = words;
+  few.insert(few.end(), {"--views", "6"});
+  const RunResult short_run = calibrate(few);
+  EXPECT_THAT(short_run.err, AllOf(HasSubstr("view 6 taken"), Not(HasSubstr("view 7"))));
+}
+
 TEST_F(Calibrate, RefusesWhatCannotBe) {
   write_street(folder.path());
   const Words good = {"left.png", "right.png", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"};
@@ -101,6 +133,7 @@ TEST_F(Calibrate, RefusesWhatCannotBe) {
   refused({"left.png", "right.png", "--board", "9by6", "--square", "0.025", "--output", "rig.yml"}, "9by6");
   refused({"left.png", "right.png", "--square", "25", "--output", "rig.yml"}, "not millimetres");
   refused({"left.png", "--square", "0.025", "--output", "rig.yml"}, "RIGHT");
+  refused({"no.avi", "--live", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"}, "no.avi: does not exist");
   refused(with({"--kind", "checkers"}), "expected chessboard");
   refused(with({"--lens", "wide"}), "expected pinhole");
   refused(with({"--split", "diagonal"}), "none, side or top");

@@ -111,7 +111,7 @@ TEST_F(Detect, WritesEveryOutput) {
   ASSERT_GE(csv.size(), 2u);
   for (const char* column : {"frame", "kind", "x_m", "y_m", "range_m", "score"}) EXPECT_THAT(csv[0], HasSubstr(column));
   EXPECT_EQ(lines(read_text(folder.path() / "s.csv")).at(0),
-            "frame,angle_rad,angle_deg,state,range_m,free_m,confidence");
+            "frame,angle_rad,angle_deg,state,range_m,free_m,confidence,range_sd_m");
   EXPECT_EQ(folder.listing().size(), 3u + 9u) << "no temporary files may stay";
 }
 

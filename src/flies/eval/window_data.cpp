@@ -20,8 +20,13 @@ namespace fs = std::filesystem;
 /// All pictures of a folder and those below it, in name order.
 std::vector<std::string> pictures_below(const fs::path& folder) {
   std::vector<std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::follow_directory_symlink))
-    if (entry.is_regular_file() && detail::is_image_name(entry.path())) files.push_back(entry.path().string());
+  constexpr auto kFollow = fs::directory_options::follow_directory_symlink;
+  for (auto entry = fs::recursive_directory_iterator(folder, kFollow); entry != fs::end(entry); ++entry) {
+    if (detail::is_hidden(entry->path()))
+      entry.disable_recursion_pending();
+    else if (entry->is_regular_file() && detail::is_image_name(entry->path()))
+      files.push_back(entry->path().string());
+  }
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -37,6 +42,7 @@ std::vector<WindowSet> positive_sets(const fs::path& folder) {
   std::vector<WindowSet> sets;
   WindowSet direct{"positives", {}};
   for (const auto& entry : fs::directory_iterator(folder)) {
+    if (detail::is_hidden(entry.path())) continue;
     if (entry.is_directory())
       sets.push_back({entry.path().filename().string(), pictures_below(entry.path())});
     else if (detail::is_image_name(entry.path()))

@@ -43,10 +43,12 @@ bool name_less(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+
 bool is_image_name(const fs::path& path) {
   constexpr std::array<std::string_view, 10> kExtensions = {".png", ".jpg", ".jpeg", ".pgm",  ".ppm",
                                                             ".pnm", ".tif", ".tiff", ".webp", ".bmp"};
-  if (path.filename().string().starts_with('.')) return false;
+  if (is_hidden(path)) return false;
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

@@ -6,6 +6,9 @@
 
 namespace flies::detail {
 
+/// Whether a file or folder is hidden, as `.git`, `.DS_Store` and what macOS puts beside files (`._a.png`).
+bool is_hidden(const std::filesystem::path& path);
+
 /// Whether a file is an image by its extension, and not hidden.
 bool is_image_name(const std::filesystem::path& path);
 

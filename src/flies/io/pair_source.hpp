@@ -19,7 +19,7 @@ struct PairPaths {
 std::vector<PairPaths> find_pairs(const std::string& left, const std::string& right);
 
 /// Files that hold both images of a pair each: `path`, or the images of that folder in name order. Left and right are
-/// the same file (`load_split_pair`).
+/// the same file (`PairReading::split`).
 /// @throws InputError when it does not exist, or is a folder that cannot be read or holds no images
 std::vector<PairPaths> find_joined_pairs(const std::string& path);
 
