@@ -131,6 +131,7 @@ TEST_F(Calibrate, RefusesWhatCannotBe) {
   refused({"left.png", "right.png", "--square", "25", "--output", "rig.yml"}, "not millimetres");
   refused({"left.png", "--square", "0.025", "--output", "rig.yml"}, "RIGHT");
   refused({"no.avi", "--live", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"}, "no.avi: does not exist");
+  refused(with({"--views", "8"}), "--live");
   refused(with({"--kind", "checkers"}), "expected chessboard");
   refused(with({"--lens", "wide"}), "expected pinhole");
   refused(with({"--split", "diagonal"}), "none, side or top");

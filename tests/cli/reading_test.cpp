@@ -96,6 +96,8 @@ TEST_F(Reading, WordsThatDoNotFitAreRefused) {
   refused("track", {"both", "both", "--split", "side"}, "is not needed");
   refused("detect", {"left.png", "--split", "down"}, "expected none, side or top");
   refused("detect", {"left.png", "right.png", "--bayer", "rgbg"}, "expected rggb, bggr, grbg or gbrg");
+  write_text(folder.path() / "run.mcap", "not read");
+  refused("track", {"run.mcap", "--split", "side"}, "a recording says itself");
   refused("live", {"both", "--bayer", "rgbg"}, "expected rggb, bggr, grbg or gbrg");
 }
 

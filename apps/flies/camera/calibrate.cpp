@@ -242,17 +242,19 @@ void setup_calibrate(CLI::App& app) {
   command->add_option("--dictionary", arguments->board.dictionary, "charuco: of its markers (4x4_50)")
       ->type_name("NAME");
   command->add_option("--lens", arguments->lens, "pinhole (default) or fisheye")->type_name("NAME");
-  command->add_flag(
+  auto* const live = command->add_flag(
       "--live", arguments->is_living,
       "LEFT and RIGHT are cameras or films as `flies live` takes them, or LEFT is one of both images; views "
       "are taken while you hold the board");
   command->add_option("--views", arguments->living.views, "--live: as many are enough (20)")
       ->check(CLI::Range(5, 1000).description(""))
+      ->needs(live)
       ->type_name("N");
   command->add_option("--size", arguments->living.size_px, "--live: picture size to ask a camera for, of both together")
       ->delimiter(',')
       ->expected(2)
       ->check(CLI::Range(16, 100000).description(""))
+      ->needs(live)
       ->type_name("W,H");
   command->add_option("--check", arguments->check, "no board: does this calibration still fit the rig?")
       ->type_name("FILE");

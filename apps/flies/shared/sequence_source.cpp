@@ -50,6 +50,9 @@ bool is_recording(const std::string& source) {
 
 void open_recording(SequenceSource& source, const std::string& path,
                     const std::optional<std::array<std::string, 2>>& topics) {
+  if (source.reading.split != flies::Split::none || source.reading.bayer)
+    throw flies::InputError(path, "--split, --bayer",
+                            "are for image files; a recording says itself what its pictures are");
   source.recording = std::make_shared<Recording>(path, topics);
   for (std::size_t i = 0; i < source.recording->size(); ++i) {
     source.pairs.push_back({source.recording->name(i, false), source.recording->name(i, true)});

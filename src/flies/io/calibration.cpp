@@ -71,6 +71,14 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
   if (request.width_px <= 0 || request.height_px <= 0) return;
   const auto deduced =
       camera.width_px == 0 ? detail::size_of_unsized(camera, request.width_px, request.height_px) : std::nullopt;
+  if (deduced && !detail::one_scale((*deduced)[0], (*deduced)[1], request.width_px, request.height_px))
+    throw InputError(
+        source, "image size",
+        fmt::format("is not in the file, whose numbers are those of images of {} x {} px, not of {} x {} px: were they "
+                    "cropped, or resized by {:.3g} across and {:.3g} down? --calib-size W,H says what size it is for",
+                    (*deduced)[0], (*deduced)[1], request.width_px, request.height_px,
+                    static_cast<double>(request.width_px) / (*deduced)[0],
+                    static_cast<double>(request.height_px) / (*deduced)[1]));
   if (deduced) {
     camera.width_px = (*deduced)[0];
     camera.height_px = (*deduced)[1];

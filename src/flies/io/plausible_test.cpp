@@ -113,6 +113,26 @@ TEST(LoadCalibration, ScalesAFileWithoutASizeToHalfImagesAndSaysSo) {
   EXPECT_THAT(error_of([&] { load(900, 500); }), HasSubstr("--calib-size"));
 }
 
+TEST(LoadCalibration, RefusesImagesOfAnotherShapeThanKittis) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("calib.txt",
+                                 "P0: 721.5377 0 609.5593 0 0 721.5377 172.854 0 0 0 1 0\n"
+                                 "P1: 721.5377 0 609.5593 -387.5744 0 721.5377 172.854 0 0 0 1 0\n");
+  CalibrationRequest request;
+  request.width_px = 1024;
+  request.height_px = 320;
+  EXPECT_THAT(error_of([&] { load_calibration(file, request); }),
+              ::testing::AllOf(HasSubstr("1242 x 375 px, not of 1024 x 320 px"),
+                               HasSubstr("0.824 across and 0.853 down"), HasSubstr("--calib-size")));
+  request.calibrated_width_px = 1024;
+  request.calibrated_height_px = 320;
+  EXPECT_EQ(load_calibration(file, request).camera.fx_px, 721.5377);
+  request = {};
+  request.width_px = 640;
+  request.height_px = 193;
+  EXPECT_NEAR(load_calibration(file, request).camera.fx_px, 721.5377 * 640 / 1242, 1e-6);
+}
+
 TEST(CheckSizeOfUnsized, RefusesHalfTheSizeAndTakesTheWhole) {
   EXPECT_THAT(error_of([] { check_size_of_unsized(kCamera, 621, 187, "calib"); }), HasSubstr("--calib-size"));
   EXPECT_EQ(error_of([] { check_size_of_unsized(kCamera, 1242, 375, "calib"); }), "no error");
