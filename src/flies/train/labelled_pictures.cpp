@@ -125,8 +125,11 @@ std::vector<TrainingPicture> read_labels(const std::vector<fs::path>& label_file
   return result;
 }
 
-/// What class a person is by the list of names that belongs to YOLO's labels; 0 where there is none.
+/// What class a person is by the names that belong to YOLO's labels; 0 where there are none.
 int yolo_person(const fs::path& folder) {
+  const auto is_yaml = [](const fs::path& path) { return has_extension(path, ".yaml") || has_extension(path, ".yml"); };
+  for (const auto& file : detail::files_below(folder, is_yaml))
+    if (const auto person = parse_yolo_yaml(detail::read_truth(file), file.string())) return *person;
   const auto is_list = [](const fs::path& path) {
     return path.filename() == "classes.txt" || path.filename() == "obj.names";
   };

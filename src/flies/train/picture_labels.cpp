@@ -11,6 +11,7 @@
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
 #include "flies/io/text_file.hpp"
+#include "flies/io/yaml_text.hpp"
 
 namespace flies {
 namespace {
@@ -144,6 +145,20 @@ int parse_yolo_names(std::string_view text, const std::string& source) {
   for (std::string line; std::getline(stream, line); ++number)
     if (is_person(detail::trimmed(line))) return number;
   throw InputError(source, "", "names no person or pedestrian among the classes");
+}
+
+std::optional<int> parse_yolo_yaml(const std::string& text, const std::string& source) {
+  const YAML::Node root = detail::load_yaml(plain_text(text), source);
+  if (!root.IsMap() || !root["names"]) return std::nullopt;
+  const YAML::Node names = root["names"];
+  int number = 0;
+  for (const auto& entry : names) {
+    const YAML::Node& name = names.IsMap() ? entry.second : entry;
+    if (name.IsScalar() && is_person(name.Scalar()))
+      return names.IsMap() ? detail::parse_whole_number(entry.first.Scalar(), source, "names") : number;
+    ++number;
+  }
+  throw InputError(source, "names", "holds no person or pedestrian");
 }
 
 }  // namespace flies

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,5 +38,10 @@ PictureLabels parse_yolo_labels(std::string_view text, const std::string& source
 /// The number of the class that people are, in YOLO's list of names, a line each.
 /// @throws InputError when none is a person
 int parse_yolo_names(std::string_view text, const std::string& source);
+
+/// The same of a data set's YAML, whose `names` are a list, or a map from numbers.
+/// @returns nothing when the file has no `names`
+/// @throws InputError when it is no YAML or none of the names is a person
+std::optional<int> parse_yolo_yaml(const std::string& text, const std::string& source);
 
 }  // namespace flies

@@ -93,5 +93,14 @@ TEST(ParseYoloLabels, NamesTheLine) {
   EXPECT_THAT(testing::error_of([] { parse_yolo_names("car\n", "classes.txt"); }), HasSubstr("names no person"));
 }
 
+TEST(ParseYoloYaml, KnowsListsAndMaps) {
+  EXPECT_EQ(parse_yolo_yaml("nc: 2\nnames: ['car', 'Person']\n", "data.yaml"), 1);
+  EXPECT_EQ(parse_yolo_yaml("names:\n  - pedestrian\n  - car\n", "data.yaml"), 0);
+  EXPECT_EQ(parse_yolo_yaml("names:\n  0: car\n  5: person\n", "data.yaml"), 5);
+  EXPECT_FALSE(parse_yolo_yaml("path: .\n", "other.yaml"));
+  EXPECT_THAT(testing::error_of([] { parse_yolo_yaml("names: [car]\n", "data.yaml"); }),
+              HasSubstr("data.yaml: names: holds no person"));
+}
+
 }  // namespace
 }  // namespace flies

@@ -27,7 +27,7 @@ struct TrainingPicture {
 /// - KITTI: `label_2` beside `image_2`, a text file a picture;
 /// - Pascal VOC: an XML file a picture, in `Annotations` beside `JPEGImages`, or next to the pictures;
 /// - YOLO: a text file a picture, in `labels` beside `images`, or next to the pictures; people are class 0, or what
-///   `classes.txt` or `obj.names` says; pictures without one show nobody;
+///   a YAML file with `names`, `classes.txt` or `obj.names` says; pictures without one show nobody;
 /// - otherwise every picture in it and below is the crop of one person.
 /// Below the folder pictures and labels may lie in folders of the same names; equal names in several folders belong
 /// together by these. Boxes are those of pictures as they are seen, turned by their EXIF orientation; where the size in

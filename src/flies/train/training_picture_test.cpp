@@ -130,6 +130,9 @@ TEST_F(FindPeople, ReadsYoloLabels) {
   people = find_pictures_of_people(folder, 0.75);
   ASSERT_THAT(people, SizeIs(1));
   EXPECT_NEAR(people[0].people[0].height_px, 16.0, 1e-9);
+  std::filesystem::remove(path("yolo/classes.txt"));
+  std::ofstream(path("yolo/data.yaml")) << "names: {0: bicycle, 2: person}\n";
+  EXPECT_NEAR(find_pictures_of_people(folder, 0.75)[0].people[0].height_px, 16.0, 1e-9);
   std::ofstream(path("yolo/labels/train/c.txt")) << "0 0.25 0.5 0.2 0.5\n";
   EXPECT_THAT(fault_of(folder), HasSubstr("found no picture 'c'"));
 }
