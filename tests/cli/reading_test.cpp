@@ -83,6 +83,28 @@ TEST_F(Reading, MosaicsAreToldAndMadeGray) {
   EXPECT_THAT(run("check", {"left.png", "right.png"}).out, Not(HasSubstr("--bayer")));
 }
 
+TEST_F(Reading, ThatImagesAreTurnedIsTold) {
+  using namespace std::string_literals;
+  const std::string exif =
+      "\xFF\xE1\0\x22"
+      "Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x03\0\0\0\0\0\0"s;
+  for (const auto& [name, image] :
+       {std::pair("tl.jpg", street_pair().left), std::pair("tr.jpg", street_pair().right)}) {
+    cv::Mat stored;
+    cv::rotate(image, stored, cv::ROTATE_180);
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".jpg", stored, bytes, {cv::IMWRITE_JPEG_QUALITY, 98});
+    const std::string text(bytes.begin(), bytes.end());
+    write_text(folder.path() / name, text.substr(0, 2) + exif + text.substr(2));
+  }
+  const RunResult found = run("check", {"tl.jpg", "tr.jpg"});
+  EXPECT_EQ(found.status, 0) << found.err;
+  EXPECT_THAT(found.out, HasSubstr("looks right"));
+  EXPECT_THAT(found.err, HasSubstr("images are turned by 180 degrees, as their EXIF orientation says"));
+  EXPECT_THAT(run("detect", {"tl.jpg", "tr.jpg"}).err, HasSubstr("turned by 180 degrees"));
+  EXPECT_THAT(run("detect", {"left.png", "right.png"}).err, Not(HasSubstr("EXIF")));
+}
+
 TEST_F(Reading, WordsThatDoNotFitAreRefused) {
   const auto refused = [&](const std::string& command, const Words& words, const std::string& part) {
     const RunResult result = run(command, words);

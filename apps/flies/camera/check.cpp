@@ -37,6 +37,7 @@ Checked check(const CheckArguments& arguments) {
   flies::GrayPair images = flies::load_pair(checked.pairs.front(), reading);
   const auto request = calibration_request(arguments.camera, left, right, images.view());
   checked.calibration = flies::load_calibration(arguments.calib, request);
+  note_orientation(left, checked.calibration);
   if (checked.calibration.rectifier) images = checked.calibration.rectifier->rectify(images);
   const flies::RectifiedPair pair = images.view();
   flies::check_camera_fits(checked.calibration.camera, pair.left.width_px, pair.left.height_px, arguments.calib);

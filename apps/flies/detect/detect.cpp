@@ -114,6 +114,7 @@ void run_detect(const DetectArguments& arguments) {
   auto [first, images] = first_readable(pairs, reading);
   const auto request = calibration_request(arguments.camera, pairs[first].left, pairs[first].right, images.view());
   flies::Calibration calibration = flies::load_calibration(arguments.calib, request);
+  note_orientation(pairs[first].left, calibration);
   if (calibration.rectifier) images = calibration.rectifier->rectify(images);
   flies::check_camera_fits(calibration.camera, images.view().left.width_px, images.view().left.height_px,
                            arguments.calib);

@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/exif.hpp"
 #include "flies/io/pair_matching.hpp"
+#include "flies/io/text_file.hpp"
 #include "shared/notes.hpp"
 
 void add_reading_options(CLI::App& command, ReadingArguments& arguments) {
@@ -55,4 +57,19 @@ std::vector<flies::PairPaths> pairs_of(const PairArguments& arguments) {
   auto found = flies::match_pairs(arguments.left, arguments.right, *by);
   if (!found.odd.empty()) say_notes({fmt::format("without a partner, and left out: {}", fmt::join(found.odd, ", "))});
   return std::move(found.pairs);
+}
+
+void note_orientation(const std::string& image, flies::Calibration& calibration) {
+  constexpr std::size_t kMax_bytes = std::size_t{1} << 30;
+  constexpr const char* kTurns[] = {"mirrored",
+                                    "turned by 180 degrees",
+                                    "mirrored upside down",
+                                    "transposed",
+                                    "turned clockwise by 90 degrees",
+                                    "transposed about the other diagonal",
+                                    "turned counter-clockwise by 90 degrees"};
+  const int orientation = flies::detail::stored_orientation(flies::read_file(image, kMax_bytes));
+  if (orientation > 1)
+    calibration.notes.push_back(fmt::format(
+        "images are {}, as their EXIF orientation says: it must be for the turned ones", kTurns[orientation - 2]));
 }

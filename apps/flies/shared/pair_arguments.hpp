@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
 #include "flies/io/pair_source.hpp"
 
@@ -32,3 +33,7 @@ flies::PairReading reading_of(const ReadingArguments& arguments);
 /// error.
 /// @throws flies::InputError as `match_pairs` does, for words that are unknown, and when RIGHT is missing or not needed
 std::vector<flies::PairPaths> pairs_of(const PairArguments& arguments);
+
+/// Adds a note to the calibration where the EXIF data of its images turn them.
+/// @param image a file that was read already
+void note_orientation(const std::string& image, flies::Calibration& calibration);

@@ -134,6 +134,7 @@ void run_track(TrackArguments arguments) {
                         ? source.recording->calibration(arguments.camera)
                         : flies::load_calibration(source.calib, calibration_request(arguments.camera, left_path,
                                                                                     right_path, images.view()));
+    if (i == 0 && !source.recording) note_orientation(left_path, *calibration);
     if (calibration->rectifier) images = calibration->rectifier->rectify(images);
     if (i == 0)
       run = diagnose(

@@ -59,6 +59,12 @@ void check_camera(const StereoCamera& camera, const std::string& source) {
 
 void check_camera_fits(const StereoCamera& camera, int width_px, int height_px, const std::string& source) {
   if (camera.width_px > 0 && camera.height_px > 0) {
+    if (camera.width_px == height_px && camera.height_px == width_px && width_px != height_px)
+      throw InputError(
+          source, "image size",
+          fmt::format("the calibration is for {} x {} px, the images have {} x {} px: do they lie on their "
+                      "side? (They are turned as their EXIF orientation says.)",
+                      camera.width_px, camera.height_px, width_px, height_px));
     if (camera.width_px != width_px || camera.height_px != height_px)
       throw InputError(
           source, "image size",
