@@ -9,7 +9,7 @@ set(folder ${CMAKE_INSTALL_LIBDIR}/cmake/flies)
 configure_package_config_file(cmake/flies-config.cmake.in flies-config.cmake INSTALL_DESTINATION ${folder})
 write_basic_package_version_file(flies-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/flies-config.cmake ${PROJECT_BINARY_DIR}/flies-config-version.cmake
-  cmake/FliesOpenCV.cmake
+  cmake/FliesOpenCV.cmake cmake/FliesPlainLibrary.cmake
   DESTINATION ${folder} COMPONENT development)
 
 # flies_describe(<component> <pkg-config name> DESCRIPTION ... REQUIRES ... PACKAGES ... LIBS ...): what pkg-config says.
@@ -35,7 +35,7 @@ endfunction()
 flies_describe(detect flies DESCRIPTION "obstacles and pedestrians from a stereo pair" PACKAGES fmt tbb libhwy)
 if(FLIES_BUILD_IO)
   flies_describe(io flies-io DESCRIPTION "images, calibrations and people models for flies" REQUIRES flies
-    PACKAGES libjpeg libpng libtiff-4 yaml-cpp pugixml
+    PACKAGES libjpeg libpng libtiff-4 libwebp yaml-cpp pugixml
     LIBS -lopencv_dnn -lopencv_objdetect -lopencv_calib3d -lopencv_imgproc -lopencv_core)
 endif()
 if(FLIES_BUILD_TRACK)

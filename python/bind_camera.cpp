@@ -150,7 +150,7 @@ void bind_camera(py::module_& module) {
         return py::make_tuple(as_array(std::move(pair.left)), as_array(std::move(pair.right)));
       },
       "left"_a, "right"_a,
-      "Reads two images (PNG, JPEG, PGM, PPM, TIFF; colour or grey, 8 or 16 bits) as grey:\n"
+      "Reads two images (PNG, JPEG, PGM, PPM, TIFF, WebP, BMP; colour or grey, 8 to 16 bits) as grey:\n"
       "(left, right), uint8, shape (height, width). Raises InputError naming the file.");
   module.def(
       "find_pairs",

@@ -210,7 +210,7 @@ void setup_train(CLI::App& app) {
   const auto arguments = std::make_shared<TrainArguments>();
   command
       ->add_option("--positives", arguments->positives,
-                   "folders of people: crops of one person each, or pictures with Pascal VOC or KITTI labels")
+                   "folders of people: crops of one person each, or pictures with Pascal VOC, KITTI or YOLO labels")
       ->required()
       ->type_name("DIR");
   command

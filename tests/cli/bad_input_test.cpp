@@ -304,7 +304,7 @@ std::vector<BadInput> bad_inputs() {
        {"model.json", "format"}},
       {"MissingArgument",
        [](const fs::path&) {
-         return Words{"detect", "left.png"};
+         return Words{"detect", "left.png", "--calib", "calib.txt"};
        },
        {"RIGHT"}},
       {"UnknownSubcommand", [](const fs::path&) { return Words{"detct"}; }, {"detct"}},

@@ -1,10 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
 #include <string>
 #include <vector>
 
@@ -87,6 +89,33 @@ TEST_F(Calibrate, ChecksARigWithoutABoard) {
               HasSubstr("does not fit the rig any more"));
 }
 
+/// A film in which each of the first nine pairs is held for three pictures.
+void write_film(const fs::path& from, const fs::path& film) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(from)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  files.resize(9);
+  const cv::Size size = cv::imread(files.front().string()).size();
+  cv::VideoWriter writer(film.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10.0, size);
+  for (const auto& file : files) {
+    const cv::Mat picture = cv::imread(file.string());
+    for (int i = 0; i < 3; ++i) writer.write(picture);
+  }
+}
+
+TEST_F(Calibrate, TakesViewsWhileABoardIsHeldBeforeLivingCameras) {
+  if (!fs::exists(kOpenCvPairs / "left01.jpg"))
+    GTEST_SKIP() << "Debian's opencv-doc is not here (scripts/install-deps --checks)";
+  write_opencv_pairs();
+  write_film(folder.path() / "both", folder.path() / "both.avi");
+  const RunResult result =
+      calibrate({"both.avi", "--live", "--views", "7", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, AllOf(HasSubstr("view 7 taken"), Not(HasSubstr("view 8"))));
+  EXPECT_THAT(result.out, HasSubstr("baseline                0.08"));
+  EXPECT_THAT(folder.listing(), Contains("rig.yml"));
+}
+
 TEST_F(Calibrate, RefusesWhatCannotBe) {
   write_street(folder.path());
   const Words good = {"left.png", "right.png", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"};
@@ -101,6 +130,8 @@ TEST_F(Calibrate, RefusesWhatCannotBe) {
   refused({"left.png", "right.png", "--board", "9by6", "--square", "0.025", "--output", "rig.yml"}, "9by6");
   refused({"left.png", "right.png", "--square", "25", "--output", "rig.yml"}, "not millimetres");
   refused({"left.png", "--square", "0.025", "--output", "rig.yml"}, "RIGHT");
+  refused({"no.avi", "--live", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"}, "no.avi: does not exist");
+  refused(with({"--views", "8"}), "--live");
   refused(with({"--kind", "checkers"}), "expected chessboard");
   refused(with({"--lens", "wide"}), "expected pinhole");
   refused(with({"--split", "diagonal"}), "none, side or top");

@@ -111,7 +111,7 @@ TEST_F(Detect, WritesEveryOutput) {
   ASSERT_GE(csv.size(), 2u);
   for (const char* column : {"frame", "kind", "x_m", "y_m", "range_m", "score"}) EXPECT_THAT(csv[0], HasSubstr(column));
   EXPECT_EQ(lines(read_text(folder.path() / "s.csv")).at(0),
-            "frame,angle_rad,angle_deg,state,range_m,free_m,confidence");
+            "frame,angle_rad,angle_deg,state,range_m,free_m,confidence,range_sd_m");
   EXPECT_EQ(folder.listing().size(), 3u + 9u) << "no temporary files may stay";
 }
 
@@ -125,13 +125,16 @@ TEST_F(Detect, WritesTheSameScanAsJsonAndAsCsv) {
   const json& scan = record.at("scan");
   const auto states = scan.at("states").get<std::string>();
   ASSERT_EQ(rows.size(), 1u + states.size());
-  for (const char* key : {"ranges_m", "free_m", "confidence"}) EXPECT_EQ(scan.at(key).size(), states.size()) << key;
+  for (const char* key : {"ranges_m", "range_sd_m", "free_m", "confidence"})
+    EXPECT_EQ(scan.at(key).size(), states.size()) << key;
   for (std::size_t i = 0; i < states.size(); ++i) {
     const auto fields = split(rows[1 + i], ',');
-    ASSERT_EQ(fields.size(), 7u) << rows[1 + i];
+    ASSERT_EQ(fields.size(), 8u) << rows[1 + i];
     EXPECT_EQ(fields[3].front(), states[i]);
     const json& range_m = scan.at("ranges_m")[i];
     EXPECT_EQ(fields[4].empty(), range_m.is_null());
+    EXPECT_EQ(fields[7].empty(), range_m.is_null());
+    EXPECT_EQ(scan.at("range_sd_m")[i].is_null(), range_m.is_null());
     if (!range_m.is_null()) {
       EXPECT_NEAR(std::stod(fields[4]), range_m.get<double>(), 1e-9);
     }

@@ -29,5 +29,16 @@ std::vector<std::string> fuzz_seeds() {
   entry(256, 3, 2), entry(257, 3, 2), entry(258, 3, 8), entry(259, 3, 1), entry(262, 3, 1), entry(273, 4, 110);
   entry(278, 3, 2), entry(279, 4, 4);
   seeds.push_back(tiff + std::string("\0\0\0\0abcd", 8));
+  // A bitmap of Windows of 2 x 2 pixels, 24 bits each.
+  std::string bitmap = "BM";
+  for (const int number : {70, 0, 54, 40, 2, 2, 1 | 24 << 16, 0, 16, 0, 0, 0, 0})
+    for (int i = 0; i < 4; ++i) bitmap.push_back(static_cast<char>(number >> 8 * i & 255));
+  seeds.push_back(bitmap + pixels);
+  // A JPEG with an orientation.
+  std::string turned = seeds[1];
+  turned.insert(2, std::string("\xFF\xE1\0\x22"
+                               "Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0",
+                               36));
+  seeds.push_back(turned);
   return seeds;
 }

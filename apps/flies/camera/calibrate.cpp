@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "camera/check.hpp"
+#include "camera/living_boards.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/io/images.hpp"
@@ -18,16 +19,20 @@
 #include "flies/rig/calibrate_rig.hpp"
 #include "flies/rig/coverage_picture.hpp"
 #include "shared/commands.hpp"
+#include "shared/pair_arguments.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/standard_output.hpp"
 
 namespace {
 
 struct CalibrateArguments {
-  std::string left, right, split = "none", pair_by = "auto", check;
+  PairArguments images;
+  std::string check;
   std::string kind = "chessboard", size = "9x6", lens = "pinhole";
   flies::Board board;
   std::string output, picture, json;
+  bool is_living = false;
+  LivingBoards living;
 };
 
 /// @returns the value of the word. @throws flies::InputError naming the option and what is allowed
@@ -57,13 +62,10 @@ flies::Board board_of(const CalibrateArguments& arguments) {
   return board;
 }
 
-flies::Lens lens_of(const CalibrateArguments& arguments, const flies::Board& board) {
+flies::Lens lens_of(const CalibrateArguments& arguments) {
   constexpr std::pair<const char*, flies::Lens> kLenses[] = {{"pinhole", flies::Lens::brown},
                                                              {"fisheye", flies::Lens::equidistant}};
-  const auto lens = choice(arguments.lens, "--lens", kLenses);
-  if (lens == flies::Lens::equidistant && board.kind != flies::BoardKind::chessboard)
-    throw flies::InputError("--lens", "fisheye", "takes a chessboard: OpenCV's solver wants all corners in all views");
-  return lens;
+  return choice(arguments.lens, "--lens", kLenses);
 }
 
 /// What the images show, and the size that all of them have.
@@ -73,27 +75,35 @@ struct SeenPairs {
   int width_px = 0, height_px = 0;
 };
 
-/// A pair that cannot be read costs that pair.
-SeenPairs find_boards(const CalibrateArguments& arguments, const flies::Board& board) {
-  const auto split = flies::split_of(arguments.split);
-  if (!split) throw flies::InputError("--split", arguments.split, "unknown, expected none, side or top");
-  const bool is_joined = *split != flies::Split::none;
-  if (is_joined != arguments.right.empty())
-    throw flies::InputError("RIGHT", arguments.right,
-                            is_joined ? "is not needed: with --split one file holds both images" : "is missing");
-  const auto paths =
-      is_joined ? flies::find_joined_pairs(arguments.left) : paired(arguments.left, arguments.right, arguments.pair_by);
+/// @throws flies::InputError where this program cannot find such a board
+const flies::BoardTools& tools_for(const CalibrateArguments& arguments, const flies::Board& board) {
   const auto& tools = flies::board_tools();
   if (board.kind != flies::BoardKind::chessboard && !tools.has_markers())
     throw flies::InputError("--kind", arguments.kind,
                             "needs OpenCV's aruco, which was missing when this was built; allowed: chessboard");
+  return tools;
+}
+
+SeenPairs find_living_boards(const CalibrateArguments& arguments, const flies::Board& board) {
+  LivingBoards living = arguments.living;
+  living.sources = {arguments.images.left};
+  if (!arguments.images.right.empty()) living.sources.push_back(arguments.images.right);
+  auto seen = watch_boards(living, reading_of(arguments.images.reading), tools_for(arguments, board), board);
+  return {std::move(seen.pairs), {}, seen.width_px, seen.height_px};
+}
+
+/// A pair that cannot be read costs that pair.
+SeenPairs find_boards(const CalibrateArguments& arguments, const flies::Board& board) {
+  const flies::PairReading reading = reading_of(arguments.images.reading);
+  const auto paths = pairs_of(arguments.images);
+  const auto& tools = tools_for(arguments, board);
   ProgressBar bar(paths.size());
   SeenPairs seen;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     bar.show(i);
-    const auto& [left, right] = paths[i];
+    const auto& left = paths[i].left;
     try {
-      const auto images = is_joined ? flies::load_split_pair(left, *split) : flies::load_pair(left, right);
+      const auto images = flies::load_pair(paths[i], reading);
       if (seen.width_px == 0) seen.width_px = images.left.width_px, seen.height_px = images.left.height_px;
       if (images.left.width_px != seen.width_px || images.left.height_px != seen.height_px)
         throw flies::InputError(
@@ -112,7 +122,7 @@ SeenPairs find_boards(const CalibrateArguments& arguments, const flies::Board& b
   }
   if (seen.pairs.empty())
     throw flies::InputError(
-        arguments.left, "board",
+        arguments.images.left, "board",
         fmt::format("is in none of {} pairs: is it a {} of {}? Of a chessboard the inner corners are "
                     "counted, and all must be in both images",
                     paths.size(), arguments.kind, arguments.size));
@@ -194,8 +204,7 @@ std::string json(const flies::RigReport& report) {
 void run_calibrate(const CalibrateArguments& arguments) {
   if (!arguments.check.empty()) {
     CheckArguments check;
-    check.left = arguments.left;
-    check.right = arguments.right;
+    check.images = arguments.images;
     check.calib = arguments.check;
     print(fmt::format("{} {}\n", arguments.check, fit_of_rig(check)));
     return;
@@ -203,8 +212,8 @@ void run_calibrate(const CalibrateArguments& arguments) {
   if (arguments.output.empty())
     throw flies::InputError("--output", "", "is missing: the file that the calibration goes to");
   const auto board = board_of(arguments);
-  const auto lens = lens_of(arguments, board);
-  auto seen = find_boards(arguments, board);
+  const auto lens = lens_of(arguments);
+  auto seen = arguments.is_living ? find_living_boards(arguments, board) : find_boards(arguments, board);
   auto report =
       flies::calibrate_rig(flies::board_tools(), board, std::move(seen.pairs), seen.width_px, seen.height_px, lens);
   report.dropped.insert(report.dropped.end(), seen.without.begin(), seen.without.end());
@@ -221,11 +230,7 @@ void run_calibrate(const CalibrateArguments& arguments) {
 void setup_calibrate(CLI::App& app) {
   CLI::App* command = app.add_subcommand("calibrate", "two cameras from pairs that show a board");
   const auto arguments = std::make_shared<CalibrateArguments>();
-  command->add_option("LEFT", arguments->left, "folder of left images")->required();
-  command->add_option("RIGHT", arguments->right, "folder of right images; none with --split");
-  command->add_option("--split", arguments->split, "one file holds both images: side (by side), top (and bottom)")
-      ->type_name("HOW");
-  add_pairing_option(*command, arguments->pair_by);
+  add_pair_options(*command, arguments->images);
   command
       ->add_option("--board", arguments->size,
                    "columns x rows; chessboard: of inner corners, charuco: of squares, aprilgrid: of tags (9x6)")
@@ -237,6 +242,20 @@ void setup_calibrate(CLI::App& app) {
   command->add_option("--dictionary", arguments->board.dictionary, "charuco: of its markers (4x4_50)")
       ->type_name("NAME");
   command->add_option("--lens", arguments->lens, "pinhole (default) or fisheye")->type_name("NAME");
+  auto* const live = command->add_flag(
+      "--live", arguments->is_living,
+      "LEFT and RIGHT are cameras or films as `flies live` takes them, or LEFT is one of both images; views "
+      "are taken while you hold the board");
+  command->add_option("--views", arguments->living.views, "--live: as many are enough (20)")
+      ->check(CLI::Range(5, 1000).description(""))
+      ->needs(live)
+      ->type_name("N");
+  command->add_option("--size", arguments->living.size_px, "--live: picture size to ask a camera for, of both together")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(CLI::Range(16, 100000).description(""))
+      ->needs(live)
+      ->type_name("W,H");
   command->add_option("--check", arguments->check, "no board: does this calibration still fit the rig?")
       ->type_name("FILE");
   command->add_option("--output", arguments->output, "the calibration, which detect reads")
@@ -254,6 +273,7 @@ void setup_calibrate(CLI::App& app) {
       "\nExamples:\n"
       "  flies calibrate left right --board 9x6 --square 0.025 --output rig.yml --picture coverage.png\n"
       "  flies calibrate both --split side --kind charuco --board 8x6 --square 0.04 --marker 0.03 --output rig.yml\n"
+      "  flies calibrate 0 --live --size 2560,720 --board 9x6 --square 0.025 --output rig.yml\n"
       "  flies calibrate left.png right.png --check rig.yml\n"
       "\nExit status: 0 done; 2 a fault in the input, or no calibration can be told from it.");
   command->callback([arguments] { run_calibrate(*arguments); });

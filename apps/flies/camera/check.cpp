@@ -31,15 +31,17 @@ struct Checked {
 
 Checked check(const CheckArguments& arguments) {
   Checked checked;
-  checked.pairs = paired(arguments.left, arguments.right, arguments.pair_by);
+  const flies::PairReading reading = reading_of(arguments.images.reading);
+  checked.pairs = pairs_of(arguments.images);
   const auto& [left, right] = checked.pairs.front();
-  flies::GrayPair images = flies::load_pair(left, right);
+  flies::GrayPair images = flies::load_pair(checked.pairs.front(), reading);
   const auto request = calibration_request(arguments.camera, left, right, images.view());
   checked.calibration = flies::load_calibration(arguments.calib, request);
+  note_orientation(left, checked.calibration);
   if (checked.calibration.rectifier) images = checked.calibration.rectifier->rectify(images);
   const flies::RectifiedPair pair = images.view();
   flies::check_camera_fits(checked.calibration.camera, pair.left.width_px, pair.left.height_px, arguments.calib);
-  checked.run = diagnose(checked.pairs, checked.calibration, {.self_rectify = SelfRectify::off});
+  checked.run = diagnose(checked.pairs, reading, checked.calibration, {.self_rectify = SelfRectify::off});
   if (!arguments.picture.empty()) {
     const auto corners = flies::match_corners(pair);
     flies::write_png(arguments.picture, flies::draw_rows(pair, corners, checked.run.diagnosis.rows));
@@ -85,6 +87,7 @@ std::string json(const Checked& checked) {
                                    {"row_offset_px", nullptr},
                                    {"row_roll_rad", nullptr},
                                    {"row_scatter_px", nullptr},
+                                   {"nearer_above", nullptr},
                                    {"road_found", d.road_found},
                                    {"camera_height_m", checked.run.mount.mount.height_m},
                                    {"camera_pitch_rad", checked.run.mount.mount.pitch_rad},
@@ -92,6 +95,7 @@ std::string json(const Checked& checked) {
                                    {"mount_source", checked.run.mount.is_replaced ? "road" : "given"},
                                    {"looks_right", checked.run.notes.empty()},
                                    {"notes", checked.run.notes}};
+  if (d.nearer_above) object["nearer_above"] = *d.nearer_above;
   if (d.rows) {
     object["row_offset_px"] = d.rows->offset_px;
     object["row_roll_rad"] = d.rows->slope;
@@ -125,12 +129,10 @@ std::string fit_of_rig(const CheckArguments& arguments) {
 void setup_check(CLI::App& app) {
   CLI::App* command = app.add_subcommand("check", "do these images and this calibration belong together?");
   const auto arguments = std::make_shared<CheckArguments>();
-  command->add_option("LEFT", arguments->left, "left image, or a folder of left images")->required();
-  command->add_option("RIGHT", arguments->right, "right image, or a folder")->required();
+  add_pair_options(*command, arguments->images);
   command->add_option("--calib", arguments->calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE")
       ->required();
-  add_pairing_option(*command, arguments->pair_by);
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
   add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);

@@ -3,9 +3,11 @@
 #include <string>
 
 #include "shared/camera_arguments.hpp"
+#include "shared/pair_arguments.hpp"
 
 struct CheckArguments {
-  std::string left, right, calib, picture, pair_by = "auto";
+  PairArguments images;
+  std::string calib, picture;
   CameraArguments camera;
   bool json = false;
 };

@@ -10,10 +10,10 @@
 #include "detect/detect_outputs.hpp"
 #include "detect/detect_pictures.hpp"
 #include "flies/core/error.hpp"
+#include "flies/core/pair_check.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
 #include "flies/io/output_file.hpp"
-#include "flies/io/pair_check.hpp"
 #include "flies/io/pair_source.hpp"
 #include "flies/io/writers.hpp"
 #include "flies/pipeline/detector.hpp"
@@ -21,6 +21,7 @@
 #include "shared/commands.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
+#include "shared/pair_arguments.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/read_ahead.hpp"
 #include "shared/result_table.hpp"
@@ -30,8 +31,8 @@
 namespace {
 
 struct DetectArguments {
-  std::string left, right;
-  std::string calib, pair_by = "auto";
+  PairArguments images;
+  std::string calib;
   CameraArguments camera;
   std::string model;
   RunCorrections corrections;
@@ -73,11 +74,11 @@ struct FirstPair {
 
 /// The first pair that can be read, which calibrations that do not tell their size are held against.
 /// @throws flies::InputError of the first pair when none can
-FirstPair first_readable(const std::vector<flies::PairPaths>& pairs) {
+FirstPair first_readable(const std::vector<flies::PairPaths>& pairs, const flies::PairReading& reading) {
   std::optional<flies::InputError> fault;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     try {
-      return {i, flies::load_pair(pairs[i].left, pairs[i].right)};
+      return {i, flies::load_pair(pairs[i], reading)};
     } catch (const flies::InputError& error) {
       if (!fault) fault = error;
     }
@@ -86,9 +87,9 @@ FirstPair first_readable(const std::vector<flies::PairPaths>& pairs) {
 }
 
 /// A pair as the detector wants it. @throws flies::InputError when it cannot be
-flies::GrayPair usable_pair(const flies::PairPaths& paths, const flies::Calibration& calibration,
-                            const RunDiagnosis& run) {
-  flies::GrayPair images = flies::load_pair(paths.left, paths.right);
+flies::GrayPair usable_pair(const flies::PairPaths& paths, const flies::PairReading& reading,
+                            const flies::Calibration& calibration, const RunDiagnosis& run) {
+  flies::GrayPair images = flies::load_pair(paths, reading);
   if (calibration.rectifier) images = calibration.rectifier->rectify(images);
   const flies::RectifiedPair pair = images.view();
   flies::check_camera_fits(calibration.camera, pair.left.width_px, pair.left.height_px, paths.left);
@@ -100,7 +101,8 @@ flies::GrayPair usable_pair(const flies::PairPaths& paths, const flies::Calibrat
 void run_detect(const DetectArguments& arguments) {
   const flies::DetectorOptions unfitted = effective_options(arguments.method);
   const auto classifier = classifier_for(arguments.method.preset, arguments.model);
-  const auto pairs = paired(arguments.left, arguments.right, arguments.pair_by);
+  const flies::PairReading reading = reading_of(arguments.images.reading);
+  const auto pairs = pairs_of(arguments.images);
   const bool is_single = pairs.size() == 1;
   check_outputs(arguments.outputs, pairs, other_inputs(arguments));
 
@@ -109,15 +111,16 @@ void run_detect(const DetectArguments& arguments) {
   if (unfitted.threads > 0)
     thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(unfitted.threads));
 
-  auto [first, images] = first_readable(pairs);
+  auto [first, images] = first_readable(pairs, reading);
   const auto request = calibration_request(arguments.camera, pairs[first].left, pairs[first].right, images.view());
   flies::Calibration calibration = flies::load_calibration(arguments.calib, request);
+  note_orientation(pairs[first].left, calibration);
   if (calibration.rectifier) images = calibration.rectifier->rectify(images);
   flies::check_camera_fits(calibration.camera, images.view().left.width_px, images.view().left.height_px,
                            arguments.calib);
   calibration.camera.width_px = images.view().left.width_px;
   calibration.camera.height_px = images.view().left.height_px;
-  const RunDiagnosis run = diagnose(pairs, calibration, arguments.corrections);
+  const RunDiagnosis run = diagnose(pairs, reading, calibration, arguments.corrections);
   const flies::DetectorOptions options = effective_options(arguments.method, calibration.camera);
   flies::Detector detector(calibration.camera, options, classifier);
   const auto run_of = run_record(arguments.method, options, calibration.camera, arguments.calib, arguments.model);
@@ -137,7 +140,8 @@ void run_detect(const DetectArguments& arguments) {
   const bool prints = !outputs.any() || outputs.json == "-" || outputs.csv == "-" || outputs.scan == "-";
   ProgressBar progress(prints ? 0 : pairs.size());
   ReadAhead<flies::GrayPair> ahead(
-      pairs.size(), [&](std::size_t i) { return usable_pair(pairs[i], calibration, run); }, options.threads != 1);
+      pairs.size(), [&](std::size_t i) { return usable_pair(pairs[i], reading, calibration, run); },
+      options.threads != 1);
   std::vector<std::string> faults;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto& [left_path, right_path] = pairs[i];
@@ -176,23 +180,21 @@ void run_detect(const DetectArguments& arguments) {
     progress.show(i + 1);
   }
   if (faults.size() == pairs.size())
-    throw flies::InputError(arguments.left, "", "no pair could be used; the first: " + faults.front());
+    throw flies::InputError(arguments.images.left, "", "no pair could be used; the first: " + faults.front());
   if (json) json->commit();
   if (csv) csv->commit();
   if (scan) scan->commit();
   if (is_single) say_notes(notes);
   if (!faults.empty())
-    throw flies::InputError(arguments.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),
+    throw flies::InputError(arguments.images.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),
                             "could not be used, the others were; the first: " + faults.front());
 }
 
 void add_input_options(CLI::App& command, DetectArguments& arguments) {
-  command.add_option("LEFT", arguments.left, "left image, or a folder of left images")->required();
-  command.add_option("RIGHT", arguments.right, "right image, or a folder; see --pair-by")->required();
+  add_pair_options(command, arguments.images);
   command.add_option("--calib", arguments.calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE")
       ->required();
-  add_pairing_option(command, arguments.pair_by);
   add_cameras_option(command, arguments.camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
   add_calibration_options(command, arguments.camera);
   add_mount_options(command, arguments.camera);
@@ -228,7 +230,7 @@ void setup_detect(CLI::App& app) {
       ->group("Method");
   add_output_options(*command, arguments->outputs);
   command->footer(
-      "\nImages are PNG, JPEG, PGM or TIFF, grey or colour, 8 or 16 bit. Every option of the method can be\n"
+      "\nImages are PNG, JPEG, PGM, PPM, TIFF, WebP or BMP, grey or colour. Every option of the method can be\n"
       "given by its dotted name, e.g. --evolve.flies 3000; `flies config --list` prints them all with their\n"
       "range, default and meaning. The preset is overruled by --options FILE, and that by the command line.\n"
       "Without output options a table is printed. On folders, files written per pair carry the name of the\n"
@@ -239,6 +241,7 @@ void setup_detect(CLI::App& app) {
       "  flies detect left.png right.png --calib calib.txt\n"
       "  flies detect image_00/data image_01/data --calib calib_cam_to_cam.txt --json found.jsonl\n"
       "  flies detect left.png right.png --calib calib.txt --overlay found.png --top-view above.png\n"
+      "  flies detect both.png --split side --calib calib.txt\n"
       "\nExit status: 0 done, also when nothing was found; 2 a fault in the input, told in one line.");
   command->callback([arguments] { run_detect(*arguments); });
 }

@@ -3,7 +3,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <optional>
@@ -24,6 +23,7 @@
 #include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
+#include "shared/pair_arguments.hpp"
 #include "shared/sequence_source.hpp"
 
 namespace {
@@ -66,6 +66,7 @@ void open_folders(LiveArguments& arguments) {
   if (!is_folder(arguments.sources.front())) return;
   SequenceRequest request;
   request.sources = arguments.sources;
+  request.reading = arguments.stream.reading;
   request.calib = arguments.calib;
   if (arguments.stream.rate_hz > 0.0) request.rate_hz = arguments.stream.rate_hz;
   if (!arguments.camera.cameras.empty())
@@ -204,20 +205,30 @@ void add_source_options(CLI::App& command, LiveArguments& arguments) {
       ->expected(1, 2);
   command.add_option("--calib", arguments.calib, "calibration; of a drive the one beside it, if not given")
       ->type_name("FILE");
-  static const std::map<std::string, flies::PairLayout> kLayouts = {{"side-by-side", flies::PairLayout::side_by_side},
-                                                                    {"top-bottom", flies::PairLayout::top_bottom}};
   command
       .add_option_function<std::string>(
-          "--layout",
-          [&arguments](const std::string& name) {
-            const auto found = kLayouts.find(name);
-            if (found == kLayouts.end())
-              throw flies::InputError("command line", "--layout",
-                                      fmt::format("found '{}', expected side-by-side or top-bottom", name));
-            arguments.stream.layout = found->second;
+          "--split,--layout",
+          [&arguments](const std::string& word) {
+            const auto split = flies::split_of(word);
+            if (!split)
+              throw flies::InputError("command line", "--split",
+                                      fmt::format("found '{}', expected none, side or top", word));
+            arguments.stream.reading.split = *split;
+            arguments.stream.layout =
+                *split == flies::Split::top_bottom ? flies::PairLayout::top_bottom : flies::PairLayout::side_by_side;
           },
-          "where the two pictures are in one source: side-by-side (left first) or top-bottom (left on top)")
-      ->type_name("NAME");
+          "where the two pictures are in one source, or in each image of one folder: side (by side, left first; of "
+          "films "
+          "and cameras also when not given) or top (and bottom, left on top)")
+      ->type_name("HOW");
+  command
+      .add_option_function<std::string>(
+          "--bayer",
+          [&arguments](const std::string& word) {
+            arguments.stream.reading.bayer = reading_of({.split = "none", .bayer = word}).bayer;
+          },
+          "the pictures are raw mosaics of colour cameras: rggb, bggr, grbg or gbrg, which grey is made of")
+      ->type_name("PATTERN");
   command.add_option("--size", arguments.size_px, "picture size to ask a camera for, of both pictures together")
       ->delimiter(',')
       ->expected(2)

@@ -8,7 +8,8 @@
 #include <thread>
 
 #include "flies/core/error.hpp"
-#include "flies/io/pair_check.hpp"
+#include "flies/core/pair_check.hpp"
+#include "flies/io/mosaic.hpp"
 #include "shared/end_on_signal.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
@@ -111,6 +112,7 @@ bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
   for (const auto& one : first)
     sample.push_back(calibration_->rectifier ? calibration_->rectifier->rectify(one.images) : one.images);
   diagnosis_ = diagnose_sample(std::move(sample), *calibration_, request_.corrections);
+  if (const auto note = flies::mosaic_note(first.front().images.view())) say(*note);
   for (const auto& note : diagnosis_.notes) say(note);
   const std::lock_guard lock(mutex_);
   if (!options_changed_) options_ = effective_options(request_.method, calibration_->camera);

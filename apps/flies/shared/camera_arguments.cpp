@@ -1,13 +1,6 @@
 #include "shared/camera_arguments.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <utility>
-
-#include "flies/core/error.hpp"
-#include "flies/io/pair_matching.hpp"
-#include "shared/notes.hpp"
+#include <array>
 
 void add_mount_options(CLI::App& command, CameraArguments& arguments) {
   command.add_option("--camera-height", arguments.height_m, "of the left camera above the road, metres")
@@ -15,22 +8,6 @@ void add_mount_options(CLI::App& command, CameraArguments& arguments) {
   command.add_option("--camera-pitch", arguments.pitch_deg, "degrees, positive when it looks down")->type_name("DEG");
   command.add_option("--camera-roll", arguments.roll_deg, "degrees, positive when it leans to the right")
       ->type_name("DEG");
-}
-
-void add_pairing_option(CLI::App& command, std::string& word) {
-  command
-      .add_option(
-          "--pair-by", word,
-          "what makes images of two folders a pair: order, name, time, or auto, the one that the names speak for")
-      ->type_name("HOW");
-}
-
-std::vector<flies::PairPaths> paired(const std::string& left, const std::string& right, const std::string& pair_by) {
-  const auto by = flies::pair_by_of(pair_by);
-  if (!by) throw flies::InputError("--pair-by", pair_by, "unknown, expected auto, order, name or time");
-  auto found = flies::match_pairs(left, right, *by);
-  if (!found.odd.empty()) say_notes({fmt::format("without a partner, and left out: {}", fmt::join(found.odd, ", "))});
-  return std::move(found.pairs);
 }
 
 void add_raw_option(CLI::App& command, CameraArguments& arguments) {

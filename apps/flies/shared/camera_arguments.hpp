@@ -8,7 +8,6 @@
 
 #include "flies/core/stereo_camera.hpp"
 #include "flies/io/calibration.hpp"
-#include "flies/io/pair_source.hpp"
 
 /// What the user says of the camera beside its calibration file.
 struct CameraArguments {
@@ -23,14 +22,6 @@ void add_mount_options(CLI::App& command, CameraArguments& arguments);
 
 /// What is to be said beside `--calib FILE`: --right-calib, --calib-size, --raw.
 void add_calibration_options(CLI::App& command, CameraArguments& arguments);
-
-/// Adds --pair-by. @param word what it is set to; "auto" unless the user says otherwise
-void add_pairing_option(CLI::App& command, std::string& word);
-
-/// Pairs of two files or folders; images without a partner are named in a note on standard error.
-/// @param pair_by the word of --pair-by
-/// @throws flies::InputError as `match_pairs` does, and for an unknown word
-std::vector<flies::PairPaths> paired(const std::string& left, const std::string& right, const std::string& pair_by);
 
 void add_raw_option(CLI::App& command, CameraArguments& arguments);
 

@@ -94,15 +94,23 @@ std::optional<flies::DiagnosisRecord> RunDiagnosis::record() const {
   return record;
 }
 
-RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, flies::Calibration& calibration,
-                      const RunCorrections& corrections) {
-  const auto load = [&](std::size_t pair) { return flies::load_pair(pairs[pair].left, pairs[pair].right); };
+RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::PairReading& reading,
+                      flies::Calibration& calibration, const RunCorrections& corrections) {
+  const auto load = [&](std::size_t pair) { return flies::load_pair(pairs[pair], reading); };
   return diagnose(pairs.size(), load, calibration, corrections);
 }
 
 RunDiagnosis diagnose(std::size_t pairs, const LoadPair& load, flies::Calibration& calibration,
                       const RunCorrections& corrections) {
-  return diagnose_sample(load_sample(pairs, load, calibration), calibration, corrections);
+  std::optional<std::string> mosaic;
+  const LoadPair look_and_load = [&](std::size_t pair) {
+    auto images = load(pair);
+    if (!mosaic) mosaic = flies::mosaic_note(images.view());
+    return images;
+  };
+  auto run = diagnose_sample(load_sample(pairs, look_and_load, calibration), calibration, corrections);
+  if (mosaic) run.notes.insert(run.notes.begin(), *mosaic);
+  return run;
 }
 
 RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibration& calibration,
@@ -134,6 +142,7 @@ RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibra
     if (const auto note = flies::mount_note(run.mount)) run.notes.push_back(*note);
     run.diagnosis.road_found = run.diagnosis.road_found || run.mount.is_confirmed || run.mount.is_replaced;
   }
+  if (run.mount.is_upside_down) run.diagnosis.nearer_above.reset();  // told by the note on the mount
   for (auto& complaint : flies::complaints(run.diagnosis)) run.notes.push_back(std::move(complaint));
   return run;
 }

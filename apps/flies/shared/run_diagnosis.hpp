@@ -8,6 +8,7 @@
 
 #include "flies/diagnose/pair_diagnosis.hpp"
 #include "flies/io/calibration.hpp"
+#include "flies/io/images.hpp"
 #include "flies/io/pair_source.hpp"
 #include "flies/io/writers.hpp"
 #include "flies/road/find_mount.hpp"
@@ -47,8 +48,8 @@ struct RunDiagnosis {
 
 /// Diagnoses up to five readable pairs of a run; those that cannot be used are passed over.
 /// @param calibration gets the mount that was found, where it is to be used
-RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, flies::Calibration& calibration,
-                      const RunCorrections& corrections);
+RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::PairReading& reading,
+                      flies::Calibration& calibration, const RunCorrections& corrections);
 
 /// Loads one pair of a run. @throws flies::InputError when it cannot be used
 using LoadPair = std::function<flies::GrayPair(std::size_t)>;

@@ -50,6 +50,9 @@ bool is_recording(const std::string& source) {
 
 void open_recording(SequenceSource& source, const std::string& path,
                     const std::optional<std::array<std::string, 2>>& topics) {
+  if (source.reading.split != flies::Split::none || source.reading.bayer)
+    throw flies::InputError(path, "--split, --bayer",
+                            "are for image files; a recording says itself what its pictures are");
   source.recording = std::make_shared<Recording>(path, topics);
   for (std::size_t i = 0; i < source.recording->size(); ++i) {
     source.pairs.push_back({source.recording->name(i, false), source.recording->name(i, true)});
@@ -62,15 +65,21 @@ void open_recording(SequenceSource& source, const std::string& path,
 }  // namespace
 
 flies::GrayPair SequenceSource::load(std::size_t pair) const {
-  return recording ? recording->pair(pair) : flies::load_pair(pairs[pair].left, pairs[pair].right);
+  return recording ? recording->pair(pair) : flies::load_pair(pairs[pair], reading);
 }
 
 SequenceSource open_sequence(const SequenceRequest& request) {
   SequenceSource source;
   source.calib = request.calib;
+  source.reading = request.reading;
   std::string own_times;
   if (request.sources.size() == 1 && is_recording(request.sources[0])) {
     open_recording(source, request.sources[0], request.topics);
+  } else if (request.reading.split != flies::Split::none) {
+    if (request.sources.size() > 1)
+      throw flies::InputError("SOURCE", request.sources[1], "is not needed: with --split one file holds both images");
+    if (source.calib.empty()) throw flies::InputError("command line", "--calib", "is missing, expected a file");
+    source.pairs = flies::find_joined_pairs(request.sources[0]);
   } else if (request.sources.size() == 1 && is_drawn(request.sources[0])) {
     const fs::path folder = request.sources[0];
     source.pairs = flies::find_pairs((folder / "left").string(), (folder / "right").string());

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "flies/io/gray_image.hpp"
+#include "flies/io/images.hpp"
 #include "flies/io/pair_source.hpp"
 
 class Recording;
@@ -18,16 +18,19 @@ struct SequenceSource {
   std::string calib;                                ///< the one beside a KITTI raw drive, unless another was given
   std::vector<std::string> notes;                   ///< sentences on what was assumed
   std::shared_ptr<const Recording> recording = {};  ///< where the pairs come from one
+  flies::PairReading reading = {};                  ///< how their files hold them
 
   /// @throws flies::InputError when its images are damaged
   flies::GrayPair load(std::size_t pair) const;
 };
 
 struct SequenceRequest {
-  std::vector<std::string> sources;  ///< a KITTI raw drive, a drawn sequence, a recording, or two folders
-  std::string calib;                 ///< empty: that of the drive
-  std::string times;                 ///< file of times, a line a pair; empty: see below
-  std::optional<double> rate_hz;     ///< pairs a second
+  std::vector<std::string>
+      sources;  ///< a KITTI raw drive, a drawn sequence, a recording, or two folders; with a split one
+  flies::PairReading reading = {};                   ///< how files of folders hold pairs
+  std::string calib;                                 ///< empty: that of the drive
+  std::string times;                                 ///< file of times, a line a pair; empty: see below
+  std::optional<double> rate_hz;                     ///< pairs a second
   std::optional<std::array<std::string, 2>> topics;  ///< of a recording; else found by their names
   std::optional<std::array<int, 2>> cameras;         ///< of a drive; else 0 and 1 if there, else 2 and 3
 };

@@ -14,10 +14,10 @@
 
 #include "channels/recording.hpp"
 #include "flies/core/error.hpp"
+#include "flies/core/pair_check.hpp"
 #include "flies/draw/track_view.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
-#include "flies/io/pair_check.hpp"
 #include "flies/pipeline/tracker.hpp"
 #include "flies/video/film.hpp"
 #include "shared/camera_arguments.hpp"
@@ -26,6 +26,7 @@
 #include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
+#include "shared/pair_arguments.hpp"
 #include "shared/run_diagnosis.hpp"
 #include "shared/sequence_source.hpp"
 #include "shared/standard_output.hpp"
@@ -42,6 +43,7 @@ struct TrackArguments {
   MethodArguments method;
   Overrides following;  ///< options of ego and track: dotted name and text
   std::vector<std::string> topics;
+  ReadingArguments reading;
   std::string json, kitti, video;
 };
 
@@ -104,6 +106,7 @@ void run_track(TrackArguments arguments) {
   if (!arguments.camera.cameras.empty())
     arguments.sequence.cameras = std::array{arguments.camera.cameras[0], arguments.camera.cameras[1]};
   if (!arguments.topics.empty()) arguments.sequence.topics = std::array{arguments.topics[0], arguments.topics[1]};
+  arguments.sequence.reading = reading_of(arguments.reading);
   const SequenceSource source = open_sequence(arguments.sequence);
 
   // The detector keeps to its own arena; this holds OpenCV, which runs on oneTBB too, to the same number.
@@ -131,6 +134,7 @@ void run_track(TrackArguments arguments) {
                         ? source.recording->calibration(arguments.camera)
                         : flies::load_calibration(source.calib, calibration_request(arguments.camera, left_path,
                                                                                     right_path, images.view()));
+    if (i == 0 && !source.recording) note_orientation(left_path, *calibration);
     if (calibration->rectifier) images = calibration->rectifier->rectify(images);
     if (i == 0)
       run = diagnose(
@@ -178,9 +182,10 @@ void setup_track(CLI::App& app) {
   CLI::App* command = app.add_subcommand("track", "follow things through a sequence: identity, velocity, ego-motion");
   const auto arguments = std::make_shared<TrackArguments>();
   command
-      ->add_option(
-          "SOURCE", arguments->sequence.sources,
-          "a recording (.mcap, .bag), a KITTI raw drive, a drawn sequence, or the folders of left and right images")
+      ->add_option("SOURCE", arguments->sequence.sources,
+                   "a recording (.mcap, .bag), a KITTI raw drive, a drawn sequence, or the folders of left and right "
+                   "images; with "
+                   "--split one folder")
       ->required()
       ->expected(1, 2);
   command->add_option("--calib", arguments->sequence.calib, "calibration; of a drive the one beside it, if not given")
@@ -194,6 +199,7 @@ void setup_track(CLI::App& app) {
       ->expected(2)
       ->delimiter(',')
       ->type_name("LEFT,RIGHT");
+  add_reading_options(*command, arguments->reading);
   add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 2,3; of a drive else 0,1 when there, else 2,3");
   add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);

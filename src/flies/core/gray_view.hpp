@@ -13,7 +13,7 @@ struct GrayView {
   const std::uint8_t* data = nullptr;
   int width_px = 0;
   int height_px = 0;
-  std::ptrdiff_t stride = 0;  ///< bytes from one row to the next, at least `width_px`
+  std::ptrdiff_t stride = 0;  ///< bytes from one row to the next, at least `width_px`; to detectors 0 is packed
 
   const std::uint8_t* row(int v) const {
     assert(v >= 0 && v < height_px);

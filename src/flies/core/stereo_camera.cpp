@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "flies/core/error.hpp"
+#include "flies/core/plausible.hpp"
 
 namespace flies {
 namespace {
@@ -53,14 +54,25 @@ void check_camera(const StereoCamera& camera, const std::string& source) {
     require_near(camera.cx_right_px, camera.width_px, "cx_right_px (principal point of the right image)");
     require_near(camera.cy_px, camera.height_px, "cy_px (principal point)");
   }
+  detail::check_plausible(camera, source);  // its notes are for who reads files
 }
 
 void check_camera_fits(const StereoCamera& camera, int width_px, int height_px, const std::string& source) {
   if (camera.width_px > 0 && camera.height_px > 0) {
+    if (camera.width_px == height_px && camera.height_px == width_px && width_px != height_px)
+      throw InputError(
+          source, "image size",
+          fmt::format("the calibration is for {} x {} px, the images have {} x {} px: do they lie on their "
+                      "side? (They are turned as their EXIF orientation says.)",
+                      camera.width_px, camera.height_px, width_px, height_px));
     if (camera.width_px != width_px || camera.height_px != height_px)
-      throw InputError(source, "image size",
-                       fmt::format("the calibration is for {} x {} px, the images have {} x {} px", camera.width_px,
-                                   camera.height_px, width_px, height_px));
+      throw InputError(
+          source, "image size",
+          fmt::format("the calibration is for {} x {} px, the images have {} x {} px: were they cropped, or "
+                      "resized by {:.3g} across and {:.3g} down?",
+                      camera.width_px, camera.height_px, width_px, height_px,
+                      static_cast<double>(width_px) / camera.width_px,
+                      static_cast<double>(height_px) / camera.height_px));
     return;
   }
   // A file without a size still betrays itself: the principal point of a real camera lies well inside its image.

@@ -33,7 +33,7 @@ struct StereoCamera {
 
 /// Checks that all numbers are finite and in their range (focal lengths, baseline and height positive, pitch and
 /// roll within 45 degrees, principal point within one image size of the image).
-/// @throws InputError naming `source` and the field
+/// @throws InputError naming `source` and the field, and the likely unit where a length cannot be in the one expected
 void check_camera(const StereoCamera& camera, const std::string& source);
 
 /// Checks that the calibration fits images of this size.

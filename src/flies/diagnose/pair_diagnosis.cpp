@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "flies/core/quantile.hpp"
 #include "flies/road/road.hpp"
@@ -23,6 +24,8 @@ constexpr int kMinPatches = 40;
 constexpr double kFewMatched = 0.2;
 constexpr double kManyBeyond = 0.15;
 constexpr int kMinBeyond = 8;
+/// See `PairDiagnosis::nearer_above`.
+constexpr double kNearerAbove = 1.4;
 
 void see_levels(const GrayView& image, PairDiagnosis& diagnosis) {
   int textured = 0;
@@ -77,6 +80,8 @@ PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camer
   PairDiagnosis diagnosis;
   see_levels(pair.left, diagnosis);
   diagnosis.evidence = gather_pair_evidence(pair, camera);
+  const auto& [upper_px, lower_px] = std::pair(diagnosis.evidence.upper_px, diagnosis.evidence.lower_px);
+  if (upper_px > 0.0 && lower_px > 0.0) diagnosis.nearer_above = upper_px / lower_px;
   diagnosis.rows = fit_row_error(match_corners(pair), pair.left.width_px);
   diagnosis.road_found = estimate_road(pair, Projection(camera), {}).found;
   return diagnosis;
@@ -85,7 +90,7 @@ PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camer
 PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
   PairDiagnosis run;
   if (pairs.empty()) return run;
-  std::vector<double> textured, dark, bright;
+  std::vector<double> textured, dark, bright, nearer_above;
   std::vector<RowError> rows;
   int roads = 0;
   for (const auto& pair : pairs) {
@@ -97,11 +102,13 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
     run.evidence.beyond += pair.evidence.beyond;
     run.evidence.distant += pair.evidence.distant;
     if (pair.rows) rows.push_back(*pair.rows);
+    if (pair.nearer_above) nearer_above.push_back(*pair.nearer_above);
     roads += pair.road_found;
   }
   run.textured_share = median_of(std::move(textured));
   run.dark_share = median_of(std::move(dark));
   run.bright_share = median_of(std::move(bright));
+  if (!nearer_above.empty()) run.nearer_above = median_of(std::move(nearer_above));
   run.rows = median_row_error(rows);
   run.road_found = roads > 0;
   return run;
@@ -145,6 +152,11 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
         "{:.0f} % of the places that are found would lie beyond infinity: the cameras look towards each other "
         "or a principal point is wrong, so ranges are too; check cx of both cameras",
         100.0 * d.beyond_share()));
+  if (d.nearer_above.value_or(0.0) > kNearerAbove && d.can_be_trusted())
+    found.push_back(fmt::format(
+        "places in the upper third of the images are {:.1f} times as near as those in the lower one: do the "
+        "images stand on their heads? Then turn both by 180 degrees and give the right one as the left",
+        *d.nearer_above));
   if (!d.road_found)
     found.push_back(
         "no road was found where the mount of the camera says it is: heights and obstacles may be wrong; check "

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "flies/core/gray_view.hpp"
+#include "flies/core/pair_check.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/diagnose/row_error.hpp"
-#include "flies/io/pair_check.hpp"
 
 namespace flies {
 
@@ -18,7 +18,10 @@ struct PairDiagnosis {
   double bright_share = 0.0;     ///< that are white (247 and more)
   PairEvidence evidence;         ///< patches and where they are found along their rows
   std::optional<RowError> rows;  ///< nothing: too few corners to tell
-  bool road_found = false;       ///< the road's plane agrees with the mount of the camera
+  /// How much nearer places in the upper third of the left image are than those in the lower one, a ratio of
+  /// disparities: below 1.2 in 53 pairs of streets and other places, and the inverse when images stand on their heads.
+  std::optional<double> nearer_above;
+  bool road_found = false;  ///< the road's plane agrees with the mount of the camera
 
   /// Of the patches, those found on their row at or before infinity; 0.32 and more in good pairs of streets.
   double matched_share() const;

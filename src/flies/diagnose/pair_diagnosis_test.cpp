@@ -90,10 +90,21 @@ TEST(DiagnoseRun, AddsUpWhatItsPairsSay) {
   EXPECT_NEAR(run.rows->offset_px, 1.0, 0.1);
 }
 
+TEST(Complaints, ImagesThatStandOnTheirHeadsHaveNearThingsAbove) {
+  PairDiagnosis diagnosis;
+  diagnosis.textured_share = 0.8;
+  diagnosis.evidence = {.patches = 100, .nearer = 30};
+  diagnosis.road_found = true;
+  diagnosis.nearer_above = 1.1;
+  EXPECT_TRUE(complaints(diagnosis).empty());
+  diagnosis.nearer_above = 1.8;
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("stand on their heads")));
+}
+
 TEST(Complaints, ThereAreNoneWhereAllIsWell) {
   PairDiagnosis diagnosis;
   diagnosis.textured_share = 0.8;
-  diagnosis.evidence = {100, 30, 1, 8};
+  diagnosis.evidence = {.patches = 100, .nearer = 30, .beyond = 1, .distant = 8};
   diagnosis.road_found = true;
   EXPECT_TRUE(complaints(diagnosis).empty());
   diagnosis.road_found = false;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/usable_pair.hpp"
 #include "flies/ego/follow_corners.hpp"
 #include "flies/ego/solve_pose.hpp"
 
@@ -216,8 +217,8 @@ EgoEstimator::~EgoEstimator() = default;
 EgoEstimator::EgoEstimator(EgoEstimator&&) noexcept = default;
 EgoEstimator& EgoEstimator::operator=(EgoEstimator&&) noexcept = default;
 
-EgoMotion EgoEstimator::follow(const RectifiedPair& pair, double time_s) {
-  check_pair(pair);
+EgoMotion EgoEstimator::follow(const RectifiedPair& given, double time_s) {
+  const RectifiedPair pair = detail::usable_pair(given);
   check_camera_fits(memory_->camera, pair.left.width_px, pair.left.height_px, "camera");
   const bool is_first = memory_->frame == 0;
   const double dt_s = is_first ? 0.0 : time_s - memory_->time_s;

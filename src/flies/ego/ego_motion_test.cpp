@@ -169,6 +169,7 @@ TEST(EgoEstimator, RefusesTimeThatStandsStill) {
 TEST(EgoEstimator, TakesAnImageOfOnePixel) {
   StereoCamera tiny = camera();
   tiny.width_px = tiny.height_px = 1;
+  tiny.fx_px = tiny.fy_px = 1;
   tiny.cx_px = tiny.cx_right_px = tiny.cy_px = 0;
   const std::uint8_t pixel = 7;
   const GrayView view{&pixel, 1, 1, 1};

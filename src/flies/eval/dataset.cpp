@@ -15,6 +15,7 @@
 #include "flies/eval/kitti_truth.hpp"
 #include "flies/eval/scene_truth.hpp"
 #include "flies/io/calibration.hpp"
+#include "flies/io/image_folder.hpp"
 #include "flies/io/images.hpp"
 #include "flies/road/find_mount.hpp"
 
@@ -158,7 +159,8 @@ Dataset open_kitti_object(const fs::path& folder, const DatasetRequest& request)
   refuse_cameras(folder, request);
   std::set<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder / "label_2"))
-    if (entry.path().extension() == ".txt") names.insert(entry.path().stem().string());
+    if (entry.path().extension() == ".txt" && !detail::is_hidden(entry.path()))
+      names.insert(entry.path().stem().string());
   if (names.empty()) throw InputError((folder / "label_2").string(), "", "holds no labels, expected .txt files");
   Dataset dataset{.kind = TruthKind::kitti_object};
   for (const auto& name : names)
@@ -227,7 +229,8 @@ Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
   Dataset dataset{.kind = TruthKind::scenes};
   dataset.pairs = find_pairs((folder / "left").string(), (folder / "right").string());
   std::size_t truths = 0;
-  for (const auto& entry : fs::directory_iterator(folder / "truth")) truths += entry.path().extension() == ".json";
+  for (const auto& entry : fs::directory_iterator(folder / "truth"))
+    truths += entry.path().extension() == ".json" && !detail::is_hidden(entry.path());
   if (truths != dataset.pairs.size())
     throw InputError((folder / "truth").string(), "",
                      fmt::format("found {} JSON files, expected {}, one a pair", truths, dataset.pairs.size()));
@@ -248,7 +251,7 @@ Dataset open_foot_points(const fs::path& folder, const DatasetRequest& request) 
   refuse_cameras(folder, request);
   std::set<fs::path> lefts;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().stem().string().ends_with("_0")) lefts.insert(entry.path());
+    if (entry.path().stem().string().ends_with("_0") && !detail::is_hidden(entry.path())) lefts.insert(entry.path());
   if (lefts.empty()) throw InputError(folder.string(), "", "holds no left images, expected names that end in _0");
   Dataset dataset{.kind = TruthKind::foot_points, .is_sequence = true};
   for (const auto& left : lefts) {
@@ -277,7 +280,8 @@ Dataset open_kitti_stereo(const fs::path& folder, const DatasetRequest& request)
   refuse_cameras(folder, request);
   std::set<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder / "disp_noc"))
-    if (entry.path().extension() == ".png") names.insert(entry.path().stem().string());
+    if (entry.path().extension() == ".png" && !detail::is_hidden(entry.path()))
+      names.insert(entry.path().stem().string());
   if (names.empty())
     throw InputError((folder / "disp_noc").string(), "", "holds no disparity maps, expected .png files");
   Dataset dataset{.kind = TruthKind::kitti_stereo};

@@ -188,13 +188,8 @@ std::vector<std::string> keys_of(const std::vector<ReportedFrame>& reported, boo
 
 std::vector<ReportedFrame> parse_detections(std::string_view text, const std::string& source) {
   std::vector<ReportedFrame> frames;
-  std::istringstream stream{std::string(text)};
-  int number = 0;
-  for (std::string line; std::getline(stream, line);) {
-    ++number;
-    if (detail::trimmed(line).empty()) continue;
-    frames.push_back(frame_of(json::parse(line, nullptr, false), source, number));
-  }
+  for (const auto& line : detail::lines_of(text))
+    frames.push_back(frame_of(json::parse(line.content, nullptr, false), source, line.number));
   return frames;
 }
 

@@ -195,5 +195,10 @@ TEST(ParseDetections, RefusesNumbersThatOverflowAndNestingWithoutEnd) {
   EXPECT_THAT(error_with("3", "1e300"), ::testing::HasSubstr("obstacles[0].x_m: found 1e+300"));
 }
 
+TEST(ParseDetections, BearsMarksBlanksAndComments) {
+  const std::string line = R"({"frame": 3, "obstacles": []})";
+  EXPECT_EQ(parse_detections("\xEF\xBB\xBF" + line + "\r\n\r\n# more\r\n" + line + "\r\n", "d").size(), 2U);
+}
+
 }  // namespace
 }  // namespace flies

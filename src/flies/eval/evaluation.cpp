@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "flies/io/pair_check.hpp"
+#include "flies/core/pair_check.hpp"
 
 namespace flies {
 namespace {

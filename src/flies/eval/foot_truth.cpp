@@ -21,15 +21,10 @@ std::vector<FrameTruth> parse_foot_points(std::string_view text, const std::stri
                                           const StereoCamera& camera) {
   const Projection projection(camera);
   std::vector<FrameTruth> frames;
-  std::istringstream stream{std::string(text)};
-  int number = 0;
-  for (std::string line; std::getline(stream, line);) {
-    ++number;
-    const std::string_view content = detail::trimmed(line);
-    if (content.empty() || content.front() == '#') continue;
+  for (const auto& [number, content] : detail::lines_of(text)) {
     const std::string field = fmt::format("line {}", number);
     std::vector<double> values;
-    std::istringstream words{std::string(content)};
+    std::istringstream words{content};
     for (std::string word; std::getline(words, word, ',');) {
       values.push_back(detail::parse_number(detail::trimmed(word), source, field));
     }

@@ -42,10 +42,12 @@ std::vector<KittiMotion> read_kitti_motion(const std::filesystem::path& drive) {
   for (std::size_t i = 0; i < times_s.size(); ++i) {
     const auto path = drive / "oxts" / "data" / fmt::format("{:010}.txt", i);
     if (i > 0 && !std::filesystem::exists(path)) break;  // the beginning of a drive: its times are all there
-    std::istringstream words(detail::read_truth(path));
     std::vector<double> values;
-    for (std::string word; words >> word;)
-      values.push_back(detail::parse_number(word, path.string(), fmt::format("number {}", values.size() + 1)));
+    for (const auto& line : detail::lines_of(detail::read_truth(path))) {
+      std::istringstream words(line.content);
+      for (std::string word; words >> word;)
+        values.push_back(detail::parse_number(word, path.string(), fmt::format("number {}", values.size() + 1)));
+    }
     if (values.size() != kColumns)
       throw InputError(path.string(), "", fmt::format("found {} numbers, expected {}", values.size(), kColumns));
     const double yaw_rate = values[kYawRate];

@@ -13,6 +13,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
+#include "flies/io/image_folder.hpp"
 #include "flies/io/number_table.hpp"
 
 namespace flies {
@@ -174,12 +175,8 @@ std::vector<TrackletPose> parse_tracklets(std::string_view xml, const std::strin
 
 std::vector<KittiLabel> parse_labels(std::string_view text, const std::string& source) {
   std::vector<KittiLabel> labels;
-  std::istringstream stream{std::string(text)};
-  int number = 0;
-  for (std::string line; std::getline(stream, line);) {
-    ++number;
-    const auto words = split_words(line);
-    if (words.empty()) continue;
+  for (const auto& [number, content] : detail::lines_of(text)) {
+    const auto words = split_words(content);
     const std::string field = fmt::format("line {}", number);
     if (words.size() != 15 && words.size() != 16) {
       throw InputError(source, field, fmt::format("found {} fields, expected 15", words.size()));
@@ -236,7 +233,8 @@ std::vector<FrameTruth> read_kitti_drive(const std::filesystem::path& drive, con
   const auto images = drive / fmt::format("image_{:02}", left_camera) / "data";
   if (!std::filesystem::is_directory(images)) throw InputError(images.string(), "", "is not a folder");
   std::set<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(images)) names.insert(entry.path().stem().string());
+  for (const auto& entry : std::filesystem::directory_iterator(images))
+    if (detail::is_image_name(entry.path())) names.insert(entry.path().stem().string());
   std::vector<FrameTruth> frames;
   for (const auto& name : names) frames.push_back(truth.read(name));
   return frames;

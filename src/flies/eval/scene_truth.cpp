@@ -8,6 +8,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
+#include "flies/io/text_file.hpp"
 
 namespace flies {
 namespace {
@@ -43,7 +44,8 @@ std::optional<VehicleMoment> moment_of(const nlohmann::json& scene, const std::s
 }  // namespace
 
 FrameTruth parse_scene_truth(std::string_view text, const std::string& source) {
-  const auto scene = nlohmann::json::parse(text.begin(), text.end(), nullptr, false);
+  constexpr bool kThrows = false, kSkipsComments = true;
+  const auto scene = nlohmann::json::parse(plain_text(std::string(text)), nullptr, kThrows, kSkipsComments);
   if (scene.is_discarded()) throw InputError(source, "", "not JSON");
   if (!scene.is_object() || !scene.contains("objects") || !scene["objects"].is_array()) {
     throw InputError(source, "objects", "found none, expected a list");

@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <sstream>
 
 #include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
@@ -35,6 +36,18 @@ int parse_whole_number(std::string_view text, const std::string& source, const s
 void check_number(double value, const std::string& source, const std::string& field) {
   if (!(std::abs(value) <= kMaxNumber))
     throw InputError(source, field, fmt::format("found {}, expected a number within +-{}", value, kMaxNumber));
+}
+
+std::vector<TextLine> lines_of(std::string_view text) {
+  std::vector<TextLine> lines;
+  std::istringstream stream{plain_text(std::string(text))};
+  int number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    const std::string_view content = trimmed(line);
+    if (!content.empty() && content.front() != '#') lines.push_back({number, std::string(content)});
+  }
+  return lines;
 }
 
 std::string_view trimmed(std::string_view text) {

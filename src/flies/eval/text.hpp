@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 /// Reading of the small text files that truth comes in.
 namespace flies::detail {
@@ -22,6 +23,15 @@ int parse_whole_number(std::string_view text, const std::string& source, const s
 
 /// @throws InputError naming `source` and `field` unless the value is within +-`kMaxNumber`
 void check_number(double value, const std::string& source, const std::string& field);
+
+/// A line that says something.
+struct TextLine {
+  int number = 0;       ///< in the file, from 1
+  std::string content;  ///< without white space at its ends
+};
+
+/// The lines of a text of any encoding that `plain_text` knows, without blank ones and those that begin with '#'.
+std::vector<TextLine> lines_of(std::string_view text);
 
 /// `text` without white space at its ends.
 std::string_view trimmed(std::string_view text);

@@ -337,5 +337,27 @@ TEST(ReadKittiObject, PlacesLabelsBesideTheLeftColourCamera) {
   EXPECT_THROW(read_kitti_object(folder, "000001", without_size), InputError);
 }
 
+/// As Windows programs write it: with a mark, in units of two bytes.
+std::string utf16(const std::string& text) {
+  std::string wide = "\xFF\xFE";
+  for (const char c : text) wide += std::string{c, '\0'};
+  return wide;
+}
+
+TEST(ReadersOfTruth, BearMarksWideLettersBlanksAndComments) {
+  const std::string label = "Car 0 0 -10 100 50 200 150 1.5 1.6 3.9 1 1.6 20 0.1\r\n";
+  for (const auto& text : {"\xEF\xBB\xBF" + label, "# one\r\n\r\n  " + label, utf16(label)}) {
+    const auto labels = parse_labels(text, "a.txt");
+    ASSERT_EQ(labels.size(), 1U);
+    EXPECT_EQ(labels[0].type, "Car");
+  }
+  const std::string scene = R"({"objects": []})";
+  for (const auto& text : {"\xEF\xBB\xBF" + scene, "// drawn\n" + scene, utf16(scene)})
+    EXPECT_TRUE(parse_scene_truth(text, "a.json").objects.empty());
+  std::string tracklets = "<boost_serialization><tracklets></tracklets></boost_serialization>";
+  for (const auto& text : {"\xEF\xBB\xBF" + tracklets, utf16(tracklets)})
+    EXPECT_TRUE(parse_tracklets(text, "a.xml").empty());
+}
+
 }  // namespace
 }  // namespace flies

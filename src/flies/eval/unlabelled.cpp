@@ -14,14 +14,9 @@ namespace flies {
 BoxesOfPairs parse_unlabelled(std::string_view text, const std::string& source) {
   constexpr std::size_t kNumbers = 4;
   BoxesOfPairs boxes;
-  std::istringstream stream{std::string(text)};
-  int number = 0;
-  for (std::string line; std::getline(stream, line);) {
-    ++number;
-    const std::string_view content = detail::trimmed(line);
-    if (content.empty() || content.front() == '#') continue;
+  for (const auto& [number, content] : detail::lines_of(text)) {
     const std::string field = fmt::format("line {}", number);
-    std::istringstream words{std::string(content)};
+    std::istringstream words{content};
     std::string name;
     std::getline(words, name, ',');
     std::vector<double> values;

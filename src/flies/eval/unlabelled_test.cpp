@@ -51,5 +51,14 @@ TEST(WithUnlabelled, RefusesPairsThatAreNotThere) {
               HasSubstr("u.csv: c: found no pair"));
 }
 
+TEST(ParseUnlabelled, BearsMarksAndOtherLineEnds) {
+  EXPECT_EQ(parse_unlabelled("\xEF\xBB\xBF"
+                             "0001,10,20,30,40\r\n",
+                             "u.csv")
+                .at("0001")
+                .size(),
+            1U);
+}
+
 }  // namespace
 }  // namespace flies

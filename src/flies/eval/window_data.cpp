@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
-#include <string_view>
+#include <string>
 
 #include "flies/core/error.hpp"
 #include "flies/core/random.hpp"
+#include "flies/io/image_file.hpp"
+#include "flies/io/image_folder.hpp"
 #include "flies/io/images.hpp"
 
 namespace flies {
@@ -17,20 +17,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 7> kExtensions = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff"};
-
-bool is_picture(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
-}
-
 /// All pictures of a folder and those below it, in name order.
 std::vector<std::string> pictures_below(const fs::path& folder) {
   std::vector<std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::follow_directory_symlink))
-    if (entry.is_regular_file() && is_picture(entry.path())) files.push_back(entry.path().string());
+  constexpr auto kFollow = fs::directory_options::follow_directory_symlink;
+  for (auto entry = fs::recursive_directory_iterator(folder, kFollow); entry != fs::end(entry); ++entry) {
+    if (detail::is_hidden(entry->path()))
+      entry.disable_recursion_pending();
+    else if (entry->is_regular_file() && detail::is_image_name(entry->path()))
+      files.push_back(entry->path().string());
+  }
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -46,9 +42,10 @@ std::vector<WindowSet> positive_sets(const fs::path& folder) {
   std::vector<WindowSet> sets;
   WindowSet direct{"positives", {}};
   for (const auto& entry : fs::directory_iterator(folder)) {
+    if (detail::is_hidden(entry.path())) continue;
     if (entry.is_directory())
       sets.push_back({entry.path().filename().string(), pictures_below(entry.path())});
-    else if (is_picture(entry.path()))
+    else if (detail::is_image_name(entry.path()))
       direct.files.push_back(entry.path().string());
   }
   std::sort(direct.files.begin(), direct.files.end());
@@ -72,9 +69,9 @@ ImageBox whole_window(const GrayView& image, const std::string& file) {
 WindowData open_window_data(const fs::path& folder) {
   const fs::path with_people = part_of(folder, "positives"), without = part_of(folder, "negatives");
   WindowData data{positive_sets(with_people), pictures_below(without)};
-  constexpr const char* kEmpty = "holds no pictures, expected PNG, JPEG, PGM or TIFF";
-  if (data.positives.empty()) throw InputError(with_people.string(), "", kEmpty);
-  if (data.negatives.empty()) throw InputError(without.string(), "", kEmpty);
+  const std::string empty = fmt::format("holds no pictures, expected {}", detail::kReadableImages);
+  if (data.positives.empty()) throw InputError(with_people.string(), "", empty);
+  if (data.negatives.empty()) throw InputError(without.string(), "", empty);
   return data;
 }
 

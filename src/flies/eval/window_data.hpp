@@ -29,7 +29,7 @@ struct WindowData {
 
 /// Finds `positives` (sub-folders are sets; pictures that lie in it directly are the set "positives") and `negatives`
 /// (with sub-folders) in a folder.
-/// @throws InputError naming the folder when one of the two is missing or holds no PNG, JPEG, PGM or TIFF
+/// @throws InputError naming the folder when one of the two is missing or holds no pictures
 WindowData open_window_data(const std::filesystem::path& folder);
 
 /// How windows are drawn from the pictures without people.

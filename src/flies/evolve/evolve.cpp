@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "flies/core/error.hpp"
+#include "flies/core/usable_pair.hpp"
 #include "flies/evolve/habitat.hpp"
 #include "flies/evolve/operators.hpp"
 #include "flies/evolve/score_part.hpp"
@@ -134,11 +135,11 @@ void check_evolve_options(const EvolveOptions& options, const std::string& sourc
         fmt::format("crossover, immigration and steering shares add up to {:.3g}, expected at most 1", shares));
 }
 
-const EvolveResult& Evolver::evolve(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road,
+const EvolveResult& Evolver::evolve(const RectifiedPair& given, const Projection& projection, const RoadPlane& road,
                                     const FieldOptions& field, const FitnessOptions& fitness,
                                     const EvolveOptions& options, const RandomSource& random,
                                     std::span<const Obstacle> steer_towards) {
-  check_pair(pair);
+  const RectifiedPair pair = detail::usable_pair(given);
   check_field(field, "field options");
   check_options(fitness, "fitness options");
   check_evolve_options(options, "evolve options");

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/plausible.hpp"
 #include "flies/io/calibration_formats.hpp"
 #include "flies/io/number_table.hpp"
-#include "flies/io/plausible.hpp"
 
 namespace flies {
 namespace {
@@ -69,7 +69,24 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
     camera.height_px = request.calibrated_height_px;
   }
   if (request.width_px <= 0 || request.height_px <= 0) return;
-  if (camera.width_px == 0) {
+  const auto deduced =
+      camera.width_px == 0 ? detail::size_of_unsized(camera, request.width_px, request.height_px) : std::nullopt;
+  if (deduced && !detail::one_scale((*deduced)[0], (*deduced)[1], request.width_px, request.height_px))
+    throw InputError(
+        source, "image size",
+        fmt::format("is not in the file, whose numbers are those of images of {} x {} px, not of {} x {} px: were they "
+                    "cropped, or resized by {:.3g} across and {:.3g} down? --calib-size W,H says what size it is for",
+                    (*deduced)[0], (*deduced)[1], request.width_px, request.height_px,
+                    static_cast<double>(request.width_px) / (*deduced)[0],
+                    static_cast<double>(request.height_px) / (*deduced)[1]));
+  if (deduced) {
+    camera.width_px = (*deduced)[0];
+    camera.height_px = (*deduced)[1];
+    calibration.notes.push_back(fmt::format(
+        "the file has no image size; its principal point ({:.1f}, {:.1f}) px is that of images of {} x {} px "
+        "(--calib-size says otherwise)",
+        camera.cx_px, camera.cy_px, camera.width_px, camera.height_px));
+  } else if (camera.width_px == 0) {
     detail::check_size_of_unsized(camera, request.width_px, request.height_px, source);
     check_camera_fits(camera, request.width_px, request.height_px, source);
     camera.width_px = request.width_px;
@@ -120,8 +137,9 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
   check_baseline(calibration, path);
   auto& camera = calibration.camera;
   check_camera(camera, path);
+  const bool says_size = camera.width_px > 0;
   fit_size(request, path, calibration);
-  for (auto& note : detail::check_plausible(camera, path)) calibration.notes.push_back(std::move(note));
+  for (auto& note : detail::check_plausible(camera, path, says_size)) calibration.notes.push_back(std::move(note));
   return calibration;
 }
 

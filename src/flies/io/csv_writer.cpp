@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 #include "flies/core/stereo_camera.hpp"
 #include "flies/io/writers.hpp"
@@ -51,16 +52,18 @@ std::string csv_rows(const FrameRecord& record) {
   return rows;
 }
 
-std::string scan_csv_header() { return "frame,angle_rad,angle_deg,state,range_m,free_m,confidence\n"; }
+std::string scan_csv_header() { return "frame,angle_rad,angle_deg,state,range_m,free_m,confidence,range_sd_m\n"; }
 
 std::string scan_csv_rows(const FrameRecord& record) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   const Scan& scan = record.scan;
   std::string rows;
   for (std::size_t sector = 0; sector < scan.size(); ++sector) {
     const double angle_rad = scan.angle_rad(sector);
-    rows += fmt::format("{},{},{},{},{},{},{}\n", record.frame, number(angle_rad, 6), number(degrees(angle_rad), 4),
+    const double deviation_m = record.run ? range_deviation_m(record.run->camera, scan.ranges_m[sector]) : kUnknown;
+    rows += fmt::format("{},{},{},{},{},{},{},{}\n", record.frame, number(angle_rad, 6), number(degrees(angle_rad), 4),
                         kSectorStateNames[static_cast<std::size_t>(scan.states[sector])], metres(scan.ranges_m[sector]),
-                        metres(scan.free_m[sector]), score_of(scan.confidence[sector]));
+                        metres(scan.free_m[sector]), score_of(scan.confidence[sector]), metres(deviation_m));
   }
   return rows;
 }

@@ -1,11 +1,16 @@
 #include "flies/io/image_codecs.hpp"
 
+#include <opencv2/core.hpp>
+
+#include "flies/io/exif.hpp"
 #include "flies/io/image_decoders.hpp"
 #include "flies/io/image_file.hpp"
 
 namespace flies {
 
-cv::Mat decode_image(std::string_view bytes) {
+namespace {
+
+cv::Mat stored_pixels(std::string_view bytes) {
   switch (detail::image_file_kind(bytes)) {
     case detail::ImageFileKind::png:
       return detail::decode_png(bytes);
@@ -15,10 +20,21 @@ cv::Mat decode_image(std::string_view bytes) {
       return detail::decode_pnm(bytes);
     case detail::ImageFileKind::tiff:
       return detail::decode_tiff(bytes);
+    case detail::ImageFileKind::webp:
+      return detail::decode_webp(bytes);
+    case detail::ImageFileKind::bmp:
+      return detail::decode_bmp(bytes);
     case detail::ImageFileKind::unknown:
       break;
   }
   return {};
+}
+
+}  // namespace
+
+cv::Mat decode_image(std::string_view bytes) {
+  const cv::Mat stored = stored_pixels(bytes);
+  return stored.empty() ? stored : detail::turned(stored, detail::stored_orientation(bytes));
 }
 
 }  // namespace flies

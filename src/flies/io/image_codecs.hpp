@@ -10,8 +10,9 @@ class Mat;
 
 namespace flies {
 
-/// Decodes a PNG, JPEG, PNM or TIFF file in memory. Not with OpenCV's imgcodecs, for loading the hundred libraries
-/// that it brings along takes longer than all the rest of `flies detect`.
+/// Decodes a PNG, JPEG, PNM, TIFF, WebP or BMP file in memory, and turns the image as its EXIF orientation says. Not
+/// with OpenCV's imgcodecs, for loading the hundred libraries that it brings along takes longer than all the rest of
+/// `flies detect`.
 /// @param bytes that `detail::image_file_fault` has nothing against
 /// @returns grey or BGR levels of the file's depth, perhaps with alpha; empty when they cannot be decoded
 cv::Mat decode_image(std::string_view bytes);

@@ -36,16 +36,17 @@ void expect_equal(const cv::Mat& found, const cv::Mat& expected, const std::stri
 
 TEST(DecodeImage, ReadsWhatOpencvReads) {
   for (const int type : {CV_8UC1, CV_8UC3, CV_8UC4, CV_16UC1, CV_16UC3, CV_16UC4, CV_32FC1}) {
-    for (const std::string format : {".png", ".jpg", ".pgm", ".ppm", ".pbm", ".tif"}) {
+    for (const std::string format : {".png", ".jpg", ".pgm", ".ppm", ".pbm", ".tif", ".bmp", ".webp"}) {
       const cv::Mat image = noise(type);
       if ((format == ".pgm" || format == ".pbm") && image.channels() != 1) continue;
       if (format == ".ppm" && image.channels() != 3) continue;
-      if ((format == ".jpg" || format == ".pbm") && image.depth() != CV_8U) continue;
+      if ((format == ".jpg" || format == ".pbm" || format == ".bmp" || format == ".webp") && image.depth() != CV_8U)
+        continue;
       if (image.depth() == CV_32F && format != ".tif") continue;
       std::vector<std::uint8_t> bytes;
       ASSERT_TRUE(cv::imencode(format, image, bytes)) << format << type;
       cv::Mat expected = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-      if (format == ".png" && expected.channels() == 4) cv::cvtColor(expected, expected, cv::COLOR_BGRA2BGR);
+      if (format != ".tif" && expected.channels() == 4) cv::cvtColor(expected, expected, cv::COLOR_BGRA2BGR);
       expect_equal(decode_image(view_of(bytes)), expected, format + " of type " + std::to_string(type));
     }
   }
@@ -131,6 +132,83 @@ TEST(DecodeImage, ReadsTiledAndInvertedTiff) {
     cv::bitwise_not(image, inverted);
     expect_equal(decode_image(read_all(folder.file("inverted.tif"))), inverted, "inverted");
   }
+}
+
+/// A TIFF file of one grey channel with so many bits, one pixel behind the other.
+void write_packed_tiff(const std::string& path, const cv::Mat& image, int bits, int photometric) {
+  TIFF* const file = TIFFOpen(path.c_str(), "w");
+  TIFFSetField(file, TIFFTAG_IMAGEWIDTH, image.cols);
+  TIFFSetField(file, TIFFTAG_IMAGELENGTH, image.rows);
+  TIFFSetField(file, TIFFTAG_BITSPERSAMPLE, bits);
+  TIFFSetField(file, TIFFTAG_SAMPLESPERPIXEL, 1);
+  TIFFSetField(file, TIFFTAG_PHOTOMETRIC, photometric);
+  TIFFSetField(file, TIFFTAG_ROWSPERSTRIP, 7);
+  for (int v = 0; v < image.rows; ++v) {
+    std::vector<std::uint8_t> row(static_cast<std::size_t>((image.cols * bits + 7) / 8));
+    for (int bit = 0; bit < image.cols * bits; ++bit) {
+      const int level = image.at<std::uint16_t>(v, bit / bits);
+      if ((level >> (bits - 1 - bit % bits) & 1) != 0)
+        row[static_cast<std::size_t>(bit / 8)] |= static_cast<std::uint8_t>(128 >> bit % 8);
+    }
+    TIFFWriteScanline(file, row.data(), static_cast<std::uint32_t>(v), 0);
+  }
+  TIFFClose(file);
+}
+
+TEST(DecodeImage, ReadsTiffOfTenToFourteenBits) {
+  const TemporaryFolder folder;
+  for (const int bits : {10, 12, 14}) {
+    cv::Mat image = noise(CV_16UC1);
+    image /= 1 << (16 - bits);
+    cv::min(image, (1 << bits) - 1, image);
+    write_packed_tiff(folder.file("a.tif"), image, bits, PHOTOMETRIC_MINISBLACK);
+    expect_equal(decode_image(read_all(folder.file("a.tif"))), image, std::to_string(bits));
+    write_packed_tiff(folder.file("b.tif"), image, bits, PHOTOMETRIC_MINISWHITE);
+    const cv::Mat inverted = cv::Scalar((1 << bits) - 1) - image;
+    expect_equal(decode_image(read_all(folder.file("b.tif"))), inverted, std::to_string(bits));
+  }
+}
+
+/// A bitmap of Windows with a palette of as many greys, from black to white, as its bits have room for.
+std::string palette_bmp(const cv::Mat& indices, int bits) {
+  const auto number = [](int value, int count) {
+    std::string bytes;
+    for (int i = 0; i < count; ++i) bytes += static_cast<char>(value >> 8 * i & 0xFF);
+    return bytes;
+  };
+  const int colors = 1 << bits, row_bytes = (indices.cols * bits + 31) / 32 * 4, start = 54 + 4 * colors;
+  std::string file = "BM" + number(start + row_bytes * indices.rows, 4) + number(0, 4) + number(start, 4) +
+                     number(40, 4) + number(indices.cols, 4) + number(indices.rows, 4) + number(1, 2) +
+                     number(bits, 2) + number(0, 24);
+  for (int i = 0; i < colors; ++i) {
+    const int level = 255 * i / (colors - 1);
+    file += number(level, 1) + number(level, 1) + number(level, 1) + number(0, 1);
+  }
+  for (int v = indices.rows - 1; v >= 0; --v) {
+    std::string row(static_cast<std::size_t>(row_bytes), '\0');
+    for (int u = 0; u < indices.cols; ++u)
+      row[static_cast<std::size_t>(u * bits / 8)] |=
+          static_cast<char>(indices.at<std::uint8_t>(v, u) << (8 - bits - u * bits % 8));
+    file += row;
+  }
+  return file;
+}
+
+TEST(DecodeImage, ReadsBitmapsWithPaletteAsGray) {
+  for (const int bits : {1, 4, 8}) {
+    const cv::Mat indices = noise(CV_8UC1) / (1 << (8 - bits)) & ((1 << bits) - 1);
+    const std::string file = palette_bmp(indices, bits);
+    const cv::Mat found = decode_image(file);
+    cv::Mat opencv = cv::imdecode(std::vector<char>(file.begin(), file.end()), cv::IMREAD_GRAYSCALE);
+    expect_equal(found, opencv, std::to_string(bits));
+    EXPECT_TRUE(decode_image(file.substr(0, file.size() - 1)).empty()) << bits;
+  }
+}
+
+TEST(DecodeImage, OfAWebpThatBreaksOffIsEmpty) {
+  std::vector<std::uint8_t> bytes;
+  ASSERT_TRUE(cv::imencode(".webp", noise(CV_8UC3), bytes));
+  EXPECT_TRUE(decode_image(view_of(bytes).substr(0, bytes.size() / 2)).empty());
 }
 
 TEST(DecodeImage, IsEmptyForWhatNobodyCanRead) {

@@ -94,6 +94,12 @@ std::string pnm_fault(std::string_view bytes) {
   return bytes.size() - at - 1 < row * *height ? kTruncated : "";
 }
 
+std::string webp_fault(std::string_view bytes) {
+  std::uint32_t length = 0;  // of what is behind it, little-endian
+  for (std::size_t i = 8; i-- > 4;) length = length << 8 | byte_at(bytes, i);
+  return bytes.size() - 8 < length ? kTruncated : "";
+}
+
 }  // namespace
 
 std::optional<std::size_t> pnm_number(std::string_view bytes, std::size_t& at) {
@@ -111,6 +117,8 @@ ImageFileKind image_file_kind(std::string_view bytes) {
   if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv) || bytes.starts_with("II+\0"sv) ||
       bytes.starts_with("MM\0+"sv))
     return ImageFileKind::tiff;
+  if (bytes.size() >= 12 && bytes.starts_with("RIFF") && bytes.substr(8, 4) == "WEBP") return ImageFileKind::webp;
+  if (bytes.size() >= 18 && bytes.starts_with("BM") && bytes.substr(6, 4) == "\0\0\0\0"sv) return ImageFileKind::bmp;
   if (bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6' && std::isspace(byte_at(bytes, 2)) != 0)
     return ImageFileKind::pnm;
   return ImageFileKind::unknown;
@@ -124,12 +132,15 @@ std::string image_file_fault(std::string_view bytes) {
       return jpeg_fault(bytes);
     case ImageFileKind::pnm:
       return pnm_fault(bytes);
+    case ImageFileKind::webp:
+      return webp_fault(bytes);
+    case ImageFileKind::bmp:
     case ImageFileKind::tiff:
       return {};
     case ImageFileKind::unknown:
       break;
   }
-  return "is not an image, expected PNG, JPEG, PGM or TIFF";
+  return "is not an image, expected " + std::string(kReadableImages);
 }
 
 }  // namespace flies::detail

@@ -7,13 +7,16 @@
 
 namespace flies::detail {
 
-enum class ImageFileKind { png, jpeg, pnm, tiff, unknown };
+enum class ImageFileKind { png, jpeg, pnm, tiff, webp, bmp, unknown };
+
+/// What can be read, for error messages.
+inline constexpr std::string_view kReadableImages = "PNG, JPEG, PGM, PPM, TIFF, WebP or BMP";
 
 ImageFileKind image_file_kind(std::string_view bytes);
 
 /// Checks that an image file is whole, because decoders fill what is missing with grey or black and only warn:
-/// PNG chunk by chunk with its checksums, JPEG marker by marker up to the end of the image, PNM by its size.
-/// (TIFF decoders do fail on missing data.)
+/// PNG chunk by chunk with its checksums, JPEG marker by marker up to the end of the image, PNM and WebP by their
+/// size. (The decoders of TIFF and BMP do fail on missing data.)
 /// @returns what is wrong, empty when nothing is
 std::string image_file_fault(std::string_view bytes);
 

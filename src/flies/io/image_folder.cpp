@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "flies/core/error.hpp"
+#include "flies/io/image_file.hpp"
 
 namespace flies::detail {
 namespace {
@@ -40,17 +41,19 @@ bool name_less(std::string_view a, std::string_view b) {
   return a < b;  // "01" and "1"
 }
 
+}  // namespace
+
+bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+
 bool is_image_name(const fs::path& path) {
-  constexpr std::array<std::string_view, 8> kExtensions = {".png", ".jpg", ".jpeg", ".pgm",
-                                                           ".ppm", ".pnm", ".tif",  ".tiff"};
-  if (path.filename().string().starts_with('.')) return false;
+  constexpr std::array<std::string_view, 10> kExtensions = {".png", ".jpg", ".jpeg", ".pgm",  ".ppm",
+                                                            ".pnm", ".tif", ".tiff", ".webp", ".bmp"};
+  if (is_hidden(path)) return false;
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }
-
-}  // namespace
 
 std::vector<std::string> images_of(const std::string& folder) {
   std::vector<fs::path> images;
@@ -58,7 +61,7 @@ std::vector<std::string> images_of(const std::string& folder) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
     if (is_image_name(entry->path()) && !entry->is_directory()) images.push_back(entry->path());
   if (error) throw InputError(folder, "", fmt::format("cannot be read: {}", error.message()));
-  if (images.empty()) throw InputError(folder, "", "holds no images, expected PNG, JPEG, PGM or TIFF files");
+  if (images.empty()) throw InputError(folder, "", fmt::format("holds no images, expected {} files", kReadableImages));
   std::sort(images.begin(), images.end(), [](const fs::path& a, const fs::path& b) {
     return name_less(a.filename().string(), b.filename().string());
   });

@@ -76,6 +76,24 @@ cv::Mat read_gray(const std::string& path, const cv::Size& least = {kMinImageWid
   return to_gray(image, path);
 }
 
+/// Grey of a mosaic, which some programs save with three equal channels.
+cv::Mat read_mosaic(const std::string& path, BayerPattern pattern) {
+  const cv::Mat image = decode(path);
+  check_pixels(image, path, {kMinImageWidth_px, kMinImageHeight_px});
+  for (int channel = 1; channel < std::min(3, image.channels()); ++channel) {
+    cv::Mat first, other;
+    cv::extractChannel(image, first, 0);
+    cv::extractChannel(image, other, channel);
+    if (cv::norm(first, other, cv::NORM_INF) > 0.0)
+      throw InputError(path, "pixels", "found colours, expected the grey levels of a mosaic (--bayer)");
+  }
+  return demosaiced(to_gray(image, path), pattern);
+}
+
+cv::Mat read_gray(const std::string& path, const PairReading& reading) {
+  return reading.bayer ? read_mosaic(path, *reading.bayer) : read_gray(path);
+}
+
 /// Bits needed for the brightest pixel of a 16-bit image, at least 8.
 int significant_bits(const cv::Mat& gray) {
   double maximum = 0;
@@ -165,26 +183,11 @@ GrayPair pair_of(const cv::Mat& left, const cv::Mat& right, const std::string& l
   return {to_8_bits(left, bit_depth, band), to_8_bits(right, bit_depth, band), bit_depth};
 }
 
-}  // namespace
-
-GrayPair load_pair(const std::string& left_path, const std::string& right_path) {
-  const cv::Mat left = read_gray(left_path);  // the left one's faults are told first
-  const cv::Mat right = read_gray(right_path);
-  return pair_of(left, right, left_path, right_path);
-}
-
-std::optional<Split> split_of(const std::string& word) {
-  if (word == "none") return Split::none;
-  if (word == "side") return Split::side_by_side;
-  if (word == "top") return Split::top_bottom;
-  return std::nullopt;
-}
-
-GrayPair load_split_pair(const std::string& path, Split split) {
-  const cv::Mat both = read_gray(path);
-  const bool is_side = split == Split::side_by_side;
+GrayPair load_split_pair(const std::string& path, const PairReading& reading) {
+  const cv::Mat both = read_gray(path, reading);
+  const bool is_side = reading.split == Split::side_by_side;
   const int length = is_side ? both.cols : both.rows;
-  if (split == Split::none || length % 2 != 0)
+  if (length % 2 != 0)
     throw InputError(path, "size",
                      fmt::format("found {} x {} px, whose {} cannot be halved: does the file hold two images?",
                                  both.cols, both.rows, is_side ? "width" : "height"));
@@ -193,6 +196,26 @@ GrayPair load_split_pair(const std::string& path, Split split) {
   const cv::Mat right = both(cv::Rect(both.cols - width, both.rows - height, width, height));
   for (const cv::Mat* half : {&left, &right}) check_pixels(*half, path, {kMinImageWidth_px, kMinImageHeight_px});
   return pair_of(left, right, path + " (first half)", path + " (second half)");
+}
+
+}  // namespace
+
+GrayPair load_pair(const PairPaths& paths, const PairReading& reading) {
+  if (reading.split != Split::none) return load_split_pair(paths.left, reading);
+  const cv::Mat left = read_gray(paths.left, reading);  // the left one's faults are told first
+  const cv::Mat right = read_gray(paths.right, reading);
+  return pair_of(left, right, paths.left, paths.right);
+}
+
+GrayPair load_pair(const std::string& left_path, const std::string& right_path) {
+  return load_pair(PairPaths{left_path, right_path}, {});
+}
+
+std::optional<Split> split_of(const std::string& word) {
+  if (word == "none") return Split::none;
+  if (word == "side" || word == "side-by-side" || word == "lr") return Split::side_by_side;
+  if (word == "top" || word == "top-bottom" || word == "tb") return Split::top_bottom;
+  return std::nullopt;
 }
 
 }  // namespace flies

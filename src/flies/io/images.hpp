@@ -4,6 +4,8 @@
 #include <string>
 
 #include "flies/io/gray_image.hpp"
+#include "flies/io/mosaic.hpp"
+#include "flies/io/pair_source.hpp"
 
 namespace flies {
 
@@ -11,8 +13,9 @@ namespace flies {
 inline constexpr int kMinImageWidth_px = 64;
 inline constexpr int kMinImageHeight_px = 48;
 
-/// Reads one image as 8-bit grey: PNG, JPEG, PGM/PPM or TIFF with 8 or 16 bits, grey or colour, with or without alpha
-/// (ignored). Colour becomes grey with the weights of ITU-R BT.601; 16 bits are scaled as in `load_pair`.
+/// Reads one image as 8-bit grey: PNG, JPEG, PGM/PPM, TIFF, WebP or BMP with 8 to 16 bits, grey or colour, with or
+/// without alpha (ignored). It is turned as its EXIF orientation says. Colour becomes grey with the weights of ITU-R
+/// BT.601; 16 bits are scaled as in `load_pair`.
 /// @throws InputError naming the file: missing, a folder, not an image, truncated or damaged, floating point, smaller
 ///         than the least size, a single grey level throughout
 GrayImage load_gray_image(const std::string& path, int min_width_px = kMinImageWidth_px,
@@ -30,11 +33,18 @@ GrayPair load_pair(const std::string& left_path, const std::string& right_path);
 /// How one file holds both images of a pair.
 enum class Split { none, side_by_side, top_bottom };
 
-/// "none", "side" or "top". @returns nothing for other words
+/// "none", "side" (also "side-by-side", "lr") or "top" (also "top-bottom", "tb"). @returns nothing for other words
 std::optional<Split> split_of(const std::string& word);
 
-/// Reads a pair from one file: its left (upper) half is the left image.
-/// @throws InputError as `load_pair`, and when the halves are not of one size
-GrayPair load_split_pair(const std::string& path, Split split);
+/// How the files of a pair hold its images.
+struct PairReading {
+  Split split = Split::none;  ///< of one file, left and right of the paths; the left (upper) half is left
+  std::optional<BayerPattern> bayer =
+      {};  ///< the files are mosaics of this pattern: of whole files, as they are turned
+};
+
+/// Reads a pair as `load_pair(left, right)` does, from files that hold it in this way.
+/// @throws InputError as that, when halves differ in size, and when a mosaic has colours
+GrayPair load_pair(const PairPaths& paths, const PairReading& reading);
 
 }  // namespace flies

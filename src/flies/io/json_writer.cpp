@@ -5,6 +5,7 @@
 
 #include "flies/core/free_space.hpp"
 #include "flies/core/people_obstacles.hpp"
+#include "flies/core/stereo_camera.hpp"
 #include "flies/io/writers.hpp"
 
 namespace flies {
@@ -99,15 +100,22 @@ Json numbers_of(const std::vector<double>& values, Json (*written)(double)) {
   return array;
 }
 
-Json object_of(const Scan& scan) {
+/// @param camera that says how sure ranges are; null: not known, so left out
+Json object_of(const Scan& scan, const StereoCamera* camera) {
   std::string letters;  // a list of words would be the longest part of the line
   for (const SectorState state : scan.states) letters += kSectorStateNames[static_cast<std::size_t>(state)].front();
-  return {{"angle_min_rad", radians_of(scan.angle_min_rad)},
-          {"angle_increment_rad", radians_of(scan.angle_increment_rad)},
-          {"ranges_m", numbers_of(scan.ranges_m, metres)},
-          {"free_m", numbers_of(scan.free_m, metres)},
-          {"confidence", numbers_of(scan.confidence, score_of)},
-          {"states", letters}};
+  Json object = {{"angle_min_rad", radians_of(scan.angle_min_rad)},
+                 {"angle_increment_rad", radians_of(scan.angle_increment_rad)},
+                 {"ranges_m", numbers_of(scan.ranges_m, metres)}};
+  if (camera != nullptr) {
+    Json deviations = Json::array();
+    for (const double range_m : scan.ranges_m) deviations.push_back(metres(range_deviation_m(*camera, range_m)));
+    object["range_sd_m"] = std::move(deviations);
+  }
+  object["free_m"] = numbers_of(scan.free_m, metres);
+  object["confidence"] = numbers_of(scan.confidence, score_of);
+  object["states"] = letters;
+  return object;
 }
 
 Json polygon_of(const std::vector<GroundPoint>& vertices) {
@@ -147,7 +155,7 @@ std::string json_line(const FrameRecord& record) {
                  {"pedestrians", people_of(record)}};
   if (record.road) object["road"] = object_of(*record.road);
   if (!record.scan.empty()) {
-    object["scan"] = object_of(record.scan);
+    object["scan"] = object_of(record.scan, record.run ? &record.run->camera : nullptr);
     object["free_space"] = polygon_of(free_space(record.scan));
   }
   if (record.diagnosis) object["diagnosis"] = object_of(*record.diagnosis);

@@ -63,7 +63,7 @@ std::vector<OptionSetting> parse_options_yaml(const std::string& text, const std
 }
 
 std::vector<OptionSetting> load_options_yaml(const std::string& path) {
-  return parse_options_yaml(read_file(path, kMaxBytes), path);
+  return parse_options_yaml(plain_text(read_file(path, kMaxBytes)), path);
 }
 
 std::string options_yaml(std::span<const OptionListing> listings) {

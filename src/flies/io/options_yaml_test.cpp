@@ -100,5 +100,17 @@ INSTANTIATE_TEST_SUITE_P(
         BadOptions{"SelfContaining", "a: &a\n  b: *a\n", "bad.yaml"}, BadOptions{"Empty", "", "is empty"}),
     [](const auto& test) { return test.param.name; });
 
+TEST(LoadOptionsYaml, BearsMarksAndOtherLineEnds) {
+  const testing::TemporaryFolder folder;
+  std::string wide = "\xFF\xFE";
+  for (const char c : std::string("evolve:\r\n  flies: 300\r\n")) wide += std::string{c, '\0'};
+  for (const auto& text : {std::string("\xEF\xBB\xBF# mine\r\nevolve:\r\n\r\n  flies: 300\r\n"), wide}) {
+    const auto settings = load_options_yaml(folder.write("o.yaml", text));
+    ASSERT_EQ(settings.size(), 1U);
+    EXPECT_EQ(settings[0].path, "evolve.flies");
+    EXPECT_EQ(settings[0].text, "300");
+  }
+}
+
 }  // namespace
 }  // namespace flies

@@ -1,4 +1,4 @@
-#include "flies/io/pair_check.hpp"
+#include "flies/core/pair_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

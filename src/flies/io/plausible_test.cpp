@@ -1,4 +1,4 @@
-#include "flies/io/plausible.hpp"
+#include "flies/core/plausible.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -64,6 +64,73 @@ TEST(CheckPlausible, TellsAPrincipalPointFarFromTheMiddle) {
   swapped.cx_px = swapped.cx_right_px = kCamera.cy_px;
   swapped.cy_px = kCamera.cx_px;
   EXPECT_THAT(fault_of(swapped), HasSubstr("cx and cy are swapped"));
+}
+
+TEST(CheckPlausible, BearsWhatRectificationCropsOffFilesThatSayTheirSize) {
+  const auto moved = with(&StereoCamera::cx_px, 1242 * 0.42);
+  EXPECT_EQ(note_of(moved), "");
+  EXPECT_THAT(check_plausible(moved, "calib", false).front(), HasSubstr("cropped or resized"));
+}
+
+TEST(SizeOfUnsized, KnowsKittisCamerasAndTheHalfOfOthers) {
+  using Size = std::array<int, 2>;
+  StereoCamera kitti = with(&StereoCamera::cx_px, 609.5593);
+  kitti.fx_px = kitti.fy_px = 721.5377;
+  kitti.cy_px = 172.854;
+  for (const Size& size : {Size{621, 187}, Size{1024, 320}, Size{640, 192}, Size{1216, 352}})
+    EXPECT_EQ(size_of_unsized(kitti, size[0], size[1]), (Size{1242, 375})) << size[0];
+  EXPECT_FALSE(size_of_unsized(kitti, 1242, 375));
+  StereoCamera other = kCamera;
+  other.fx_px = 700.0;
+  other.cx_px = 635.0;
+  other.cy_px = 370.0;
+  EXPECT_EQ(size_of_unsized(other, 640, 360), (Size{1280, 720}));
+  EXPECT_EQ(size_of_unsized(other, 320, 180), (Size{1280, 720}));
+  EXPECT_FALSE(size_of_unsized(other, 1280, 720));
+  EXPECT_FALSE(size_of_unsized(other, 640, 300));
+  EXPECT_FALSE(size_of_unsized(other, 960, 540));
+}
+
+TEST(LoadCalibration, ScalesAFileWithoutASizeToHalfImagesAndSaysSo) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("calib.txt",
+                                 "P0: 700 0 635 0 0 700 370 0 0 0 1 0\nP1: 700 0 635 -350 0 700 370 0 0 0 1 0\nP2: 700 "
+                                 "0 635 0 0 700 370 0 0 0 1 0\n"
+                                 "P3: 700 0 635 -350 0 700 370 0 0 0 1 0\nR0_rect: 1 0 0 0 1 0 0 0 1\n");
+  const auto load = [&](int width_px, int height_px) {
+    CalibrationRequest request;
+    request.width_px = width_px;
+    request.height_px = height_px;
+    return load_calibration(file, request);
+  };
+  const auto half = load(640, 360);
+  EXPECT_DOUBLE_EQ(half.camera.fx_px, 350.0);
+  EXPECT_DOUBLE_EQ(half.camera.cx_px, 317.25);  // pixels are counted at their middles
+  EXPECT_EQ(half.camera.width_px, 640);
+  EXPECT_THAT(half.notes, ::testing::Contains(HasSubstr("images of 1280 x 720 px")));
+  EXPECT_THAT(half.notes, ::testing::Contains(HasSubstr("scaled by 0.5")));
+  EXPECT_EQ(load(1280, 720).camera.fx_px, 700.0);
+  EXPECT_THAT(error_of([&] { load(900, 500); }), HasSubstr("--calib-size"));
+}
+
+TEST(LoadCalibration, RefusesImagesOfAnotherShapeThanKittis) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("calib.txt",
+                                 "P0: 721.5377 0 609.5593 0 0 721.5377 172.854 0 0 0 1 0\n"
+                                 "P1: 721.5377 0 609.5593 -387.5744 0 721.5377 172.854 0 0 0 1 0\n");
+  CalibrationRequest request;
+  request.width_px = 1024;
+  request.height_px = 320;
+  EXPECT_THAT(error_of([&] { load_calibration(file, request); }),
+              ::testing::AllOf(HasSubstr("1242 x 375 px, not of 1024 x 320 px"),
+                               HasSubstr("0.824 across and 0.853 down"), HasSubstr("--calib-size")));
+  request.calibrated_width_px = 1024;
+  request.calibrated_height_px = 320;
+  EXPECT_EQ(load_calibration(file, request).camera.fx_px, 721.5377);
+  request = {};
+  request.width_px = 640;
+  request.height_px = 193;
+  EXPECT_NEAR(load_calibration(file, request).camera.fx_px, 721.5377 * 640 / 1242, 1e-6);
 }
 
 TEST(CheckSizeOfUnsized, RefusesHalfTheSizeAndTakesTheWhole) {

@@ -78,6 +78,8 @@ Layout layout_of(TIFF* file) {
   return layout;
 }
 
+bool is_packed(const Layout& layout) { return layout.bits > 8 && layout.bits < 16; }
+
 /// OpenCV's depth for these samples, -1 where they need converting.
 int depth_of(const Layout& layout) {
   const bool is_plain = layout.planes == PLANARCONFIG_CONTIG && layout.channels >= 1 && layout.channels <= 4 &&
@@ -90,7 +92,21 @@ int depth_of(const Layout& layout) {
     case SAMPLEFORMAT_INT:
       return layout.bits == 8 ? CV_8S : layout.bits == 16 ? CV_16S : layout.bits == 32 ? CV_32S : -1;
     default:
-      return layout.bits == 8 ? CV_8U : layout.bits == 16 ? CV_16U : layout.bits == 32 ? CV_32S : -1;
+      return layout.bits == 8                         ? CV_8U
+             : layout.bits == 16 || is_packed(layout) ? CV_16U
+             : layout.bits == 32                      ? CV_32S
+                                                      : -1;
+  }
+}
+
+/// Samples of 9 to 15 bits, one behind the other, the highest bit first.
+void unpack(const std::uint8_t* packed, int bits, std::size_t count, std::uint16_t* samples) {
+  std::uint32_t held = 0;
+  int held_bits = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (; held_bits < bits; held_bits += 8) held = held << 8 | *packed++;
+    held_bits -= bits;
+    samples[i] = static_cast<std::uint16_t>(held >> held_bits & ((1U << bits) - 1));
   }
 }
 
@@ -107,7 +123,7 @@ cv::Mat plain_samples(TIFF* file, const Layout& layout, int depth) {
     part_height = std::min(part_height, layout.height);
   }
   if (part_width == 0 || part_height == 0) return {};
-  const std::size_t pixel_bytes = image.elemSize(), row_bytes = part_width * pixel_bytes;
+  const std::size_t row_bytes = (std::size_t{part_width} * layout.channels * layout.bits + 7) / 8;
   const auto part_bytes = static_cast<std::size_t>(is_tiled ? TIFFTileSize(file) : TIFFStripSize(file));
   if (part_bytes != row_bytes * part_height || static_cast<double>(part_bytes) > kMaxPixels) return {};
   std::vector<std::uint8_t> part(part_bytes);
@@ -119,19 +135,20 @@ cv::Mat plain_samples(TIFF* file, const Layout& layout, int depth) {
       const tmsize_t read = is_tiled ? TIFFReadEncodedTile(file, TIFFComputeTile(file, u, v, 0, 0), part.data(), size)
                                      : TIFFReadEncodedStrip(file, TIFFComputeStrip(file, v, 0), part.data(), size);
       if (read < size) return {};
-      for (std::uint32_t r = 0; r < rows; ++r)
-        std::memcpy(image.ptr(static_cast<int>(v + r), static_cast<int>(u)), part.data() + r * row_bytes,
-                    columns * pixel_bytes);
+      for (std::uint32_t r = 0; r < rows; ++r) {
+        const std::uint8_t* const from = part.data() + r * row_bytes;
+        std::uint8_t* const to = image.ptr(static_cast<int>(v + r), static_cast<int>(u));
+        if (is_packed(layout))
+          unpack(from, layout.bits, std::size_t{columns} * layout.channels, reinterpret_cast<std::uint16_t*>(to));
+        else
+          std::memcpy(to, from, columns * image.elemSize());
+      }
     }
   }
   if (layout.photometric == PHOTOMETRIC_MINISWHITE && (depth == CV_8U || depth == CV_16U))
-    cv::bitwise_not(image, image);
+    cv::subtract(cv::Scalar::all((1 << layout.bits) - 1), image, image);
   if (image.channels() >= 3 && (depth == CV_8U || depth == CV_16U))
     cv::cvtColor(image, image, image.channels() == 3 ? cv::COLOR_RGB2BGR : cv::COLOR_RGBA2BGRA);
-  constexpr int kAboutBothAxes = -1, kUpsideDown = 0, kMirrored = 1;
-  if (layout.orientation == ORIENTATION_TOPRIGHT) cv::flip(image, image, kMirrored);
-  if (layout.orientation == ORIENTATION_BOTRIGHT) cv::flip(image, image, kAboutBothAxes);
-  if (layout.orientation == ORIENTATION_BOTLEFT) cv::flip(image, image, kUpsideDown);
   return image;
 }
 
@@ -139,7 +156,8 @@ cv::Mat plain_samples(TIFF* file, const Layout& layout, int depth) {
 cv::Mat converted_samples(TIFF* file, const Layout& layout) {
   cv::Mat image(static_cast<int>(layout.height), static_cast<int>(layout.width), CV_8UC4);
   constexpr int kStopOnError = 1;
-  if (TIFFReadRGBAImageOriented(file, layout.width, layout.height, image.ptr<std::uint32_t>(), ORIENTATION_TOPLEFT,
+  // The file's own orientation leaves the pixels as they are stored; those of images on their side mean the same to it.
+  if (TIFFReadRGBAImageOriented(file, layout.width, layout.height, image.ptr<std::uint32_t>(), layout.orientation,
                                 kStopOnError) == 0)
     return {};
   cv::cvtColor(image, image, cv::COLOR_RGBA2BGR);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -47,13 +48,15 @@ std::optional<Moment> parse_moment(const std::string& text) {
 }  // namespace
 
 std::vector<double> read_time_stamps(const std::string& path) {
-  std::istringstream lines(read_file(path, kMaxBytes));
+  std::istringstream lines(plain_text(read_file(path, kMaxBytes)));
   std::vector<double> times_s;
   std::optional<Moment> first;
   int number = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
+    line.resize(std::min(line.size(), line.find('#')));
+    line.resize(line.find_last_not_of(" \t") + 1);
+    line.erase(0, std::min(line.size(), line.find_first_not_of(" \t")));
     if (line.empty()) continue;
     const auto moment = parse_moment(line);
     if (!moment)

@@ -38,5 +38,14 @@ TEST(ReadTimeStamps, NamesTheLineAtFault) {
   EXPECT_THAT(fault("\n\n"), HasSubstr("no times"));
 }
 
+TEST(ReadTimeStamps, BearsMarksBlanksAndComments) {
+  const testing::TemporaryFolder folder;
+  const auto file = folder.write("t.txt", "\xEF\xBB\xBF# seconds\r\n\r\n  1.5 \t\r\n2.5 # the second\r\n");
+  EXPECT_THAT(read_time_stamps(file), ::testing::ElementsAre(0.0, 1.0));
+  std::string wide = "\xFF\xFE";
+  for (const char c : std::string("1\n3\n")) wide += std::string{c, '\0'};
+  EXPECT_THAT(read_time_stamps(folder.write("w.txt", wide)), ::testing::ElementsAre(0.0, 2.0));
+}
+
 }  // namespace
 }  // namespace flies

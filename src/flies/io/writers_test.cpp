@@ -1,9 +1,11 @@
 #include "flies/io/writers.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -123,6 +125,21 @@ TEST(JsonLine, HoldsTheScanBeforeTheTimes) {
   EXPECT_EQ(json["free_space"].dump(), "[[0.0,0.0],[11.499,-0.151],[11.5,-0.05],[30.0,-0.131],[30.0,0.131]]");
 }
 
+TEST(JsonLine, SaysHowSureTheRangesOfAScanAreWhereItKnowsTheCamera) {
+  auto record = example();
+  record.scan = three_sectors();
+  RunRecord run;
+  run.camera = {
+      .fx_px = 700, .fy_px = 700, .cx_px = 600, .cx_right_px = 600, .cy_px = 170, .baseline_m = 0.5, .mount = {}};
+  record.run = std::make_shared<RunRecord>(run);
+  const double sd_m = range_deviation_m(run.camera, 12.34567);
+  const Json sd = Json::parse(json_line(record)).at("scan").at("range_sd_m");
+  ASSERT_EQ(sd.size(), 3U);
+  EXPECT_NEAR(sd[0].get<double>(), sd_m, 5e-4);
+  EXPECT_TRUE(sd[1].is_null());
+  EXPECT_THAT(scan_csv_rows(record), HasSubstr(fmt::format("0.876543,{:.3f}\n", sd_m)));
+}
+
 TEST(JsonLine, LeavesAnEmptyScanOut) {
   const Json json = Json::parse(json_line(example()));  // a stage is called scan, too
   EXPECT_FALSE(json.contains("scan"));
@@ -174,10 +191,10 @@ TEST(ScanCsvRows, MatchTheHeader) {
   auto record = example();
   record.scan = three_sectors();
   EXPECT_EQ(scan_csv_header() + scan_csv_rows(record),
-            "frame,angle_rad,angle_deg,state,range_m,free_m,confidence\n"
-            "7,-0.008727,-0.5000,obstacle,12.346,11.500,0.876543\n"
-            "7,0.000000,0.0000,free,,30.000,0.5\n"
-            "7,0.008727,0.5000,unknown,,0.000,0\n");
+            "frame,angle_rad,angle_deg,state,range_m,free_m,confidence,range_sd_m\n"
+            "7,-0.008727,-0.5000,obstacle,12.346,11.500,0.876543,\n"
+            "7,0.000000,0.0000,free,,30.000,0.5,\n"
+            "7,0.008727,0.5000,unknown,,0.000,0,\n");
   EXPECT_EQ(scan_csv_rows({}), "");
 }
 

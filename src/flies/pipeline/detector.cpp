@@ -5,6 +5,10 @@
 #include <chrono>
 #include <utility>
 
+#include "flies/core/error.hpp"
+#include "flies/core/pair_check.hpp"
+#include "flies/core/usable_pair.hpp"
+
 namespace flies {
 namespace {
 
@@ -36,10 +40,13 @@ Detector::Detector(const StereoCamera& camera, const DetectorOptions& options,
   check_detector_options(options_, "options");
 }
 
-Detection Detector::process(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion) {
+Detection Detector::process(const RectifiedPair& given, const std::optional<PlanarMotion>& motion) {
   [[maybe_unused]] const detail::OneAtATime::Use use(one_at_a_time_);
-  check_pair(pair);
+  const RectifiedPair pair = detail::usable_pair(given);
   check_camera_fits(camera_, pair.left.width_px, pair.left.height_px, "camera");
+  if (detail::is_one_image_twice(pair))
+    throw InputError("right image", "pixels", "not a pair: it is identical to the left image");
+  if (frame_ == 0) check_not_swapped(pair, camera_, "left image", "right image");
   auto detection = workers_->arena.execute([&] { return detect(pair, motion); });
   last_obstacles_ = detection.concentrate.obstacles;
   ++frame_;

@@ -143,12 +143,12 @@ class OneAtATime {
 class Detector {
  public:
   /// @param classifier of people; null: nobody is looked for, boxes score 0 and `pedestrians` stays empty
-  /// @throws InputError when the camera or an option is out of range
+  /// @throws InputError when the camera or an option is out of range, or the unit of the baseline or focal length wrong
   explicit Detector(const StereoCamera& camera, const DetectorOptions& options = {},
                     std::shared_ptr<const PeopleClassifier> classifier = default_people_classifier());
 
   /// @param pair of the size the camera was calibrated for
-  /// @throws InputError when the images are empty, differ in size or do not fit the camera
+  /// @throws InputError when images are empty, one twice, swapped (first pair), differ in size or do not fit the camera
   /// @param motion of the camera since the pair before, where that is known: what was seen then counts on
   Detection process(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion = std::nullopt);
 

@@ -110,6 +110,51 @@ TEST(Detector, ReadsRowsWithAStride) {
   EXPECT_EQ(padded.roi_scores, dense.roi_scores);
 }
 
+TEST(Detector, TakesViewsWithoutAStrideAsPacked) {
+  const Board board;
+  auto pair = board.pair();
+  pair.left.stride = pair.right.stride = 0;
+  const auto packed = Detector(camera()).process(pair), told = Detector(camera()).process(board.pair());
+  EXPECT_EQ(packed.evolved.flies.fitness, told.evolved.flies.fitness);
+  EXPECT_EQ(packed.obstacles.size(), told.obstacles.size());
+}
+
+TEST(Detector, RefusesSwappedImagesAndOneTwice) {
+  Board wall;  // of squares of 6 x 6 px that fills both images
+  for (int v = 0; v < kHeight_px; ++v)
+    for (int u = 0; u < kWidth_px; ++u) {
+      const auto gray = [v](int column) {
+        return static_cast<std::uint8_t>(
+            FlyRandom(8, 0, static_cast<std::uint32_t>(v / 6), static_cast<std::uint32_t>(column / 6)).below(256));
+      };
+      wall.left[static_cast<std::size_t>(v * kWidth_px + u)] = gray(u);
+      wall.right[static_cast<std::size_t>(v * kWidth_px + u)] = gray(u + 20);
+    }
+  const auto pair = wall.pair();
+  Detector detector(camera());
+  EXPECT_THAT([&] { detector.process({pair.right, pair.left}); }, ThrowsMessage<InputError>(HasSubstr("swapped")));
+  EXPECT_NO_THROW(detector.process(pair));
+  EXPECT_THAT([&] { detector.process({pair.left, pair.left}); }, ThrowsMessage<InputError>(HasSubstr("identical")));
+}
+
+TEST(Detector, RefusesCamerasInOtherUnits) {
+  const auto fault = [](double focal_px, double baseline_m) {
+    auto other = camera();
+    other.fx_px = other.fy_px = focal_px;
+    other.baseline_m = baseline_m;
+    try {
+      Detector{other};
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  const double focal_px = camera().fx_px;
+  EXPECT_THAT(fault(focal_px, 120.0), HasSubstr("is it in millimetres (0.12 m)"));
+  EXPECT_THAT(fault(focal_px, 0.00012), HasSubstr("is it in kilometres (0.12 m)"));
+  EXPECT_THAT(fault(4.2, 0.12), HasSubstr("is it in millimetres"));
+}
+
 TEST(Detector, RefusesWhatItCannotUse) {
   const Board board;
   auto crooked = camera();

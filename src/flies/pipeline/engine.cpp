@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/usable_pair.hpp"
 
 namespace flies {
 namespace {
@@ -120,8 +121,8 @@ Engine::~Engine() {
   state_->worker.join();
 }
 
-void Engine::submit(const RectifiedPair& pair, double time_s) {
-  check_pair(pair);
+void Engine::submit(const RectifiedPair& given, double time_s) {
+  const RectifiedPair pair = detail::usable_pair(given);
   check_camera_fits(state_->camera, pair.left.width_px, pair.left.height_px, "camera");
   std::unique_ptr<OwnPair> own;
   {

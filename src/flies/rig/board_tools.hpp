@@ -42,7 +42,7 @@ class BoardTools {
   virtual bool has_markers() const = 0;
   /// The board in an image; no corners when it is not there or not whole (a chessboard must be whole).
   virtual SeenBoard find(const GrayView& image, const Board& board) const = 0;
-  /// @param lens `brown` or, for whole chessboards, `equidistant`
+  /// @param lens `brown` or `equidistant`
   virtual RigSolution solve(const std::vector<BoardPair>& pairs, const Board& board, int width_px, int height_px,
                             Lens lens) const = 0;
 };

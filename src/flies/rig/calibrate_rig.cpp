@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/plausible.hpp"
 #include "flies/core/quantile.hpp"
-#include "flies/io/plausible.hpp"
 #include "flies/rig/coverage.hpp"
 
 namespace flies {

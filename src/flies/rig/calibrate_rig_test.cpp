@@ -98,6 +98,21 @@ TEST(CalibrateRig, FindsTheRigFromAnAprilgrid) {
   EXPECT_GE(report.used.size(), 6U);
   expect_found(report, ToyRig(), {.row_px = 0.15, .rms_px = 0.3});
 }
+
+TEST(CalibrateRig, FindsARigOfFisheyesFromBoardsThatAreSeenInPart) {
+  const auto rig = ToyRig::fisheye();
+  for (const auto& [board, print] :
+       {std::pair(kCharuco, testing::print_charuco(kCharuco)), std::pair(kGrid, testing::print_aprilgrid(kGrid))}) {
+    auto pairs = seen(rig, board, print, testing::good_views());
+    for (auto* side : {&pairs[1].left, &pairs[1].right})  // as if something hid the others
+      std::erase_if(side->corners, [](const BoardCorner& corner) { return corner.corner % 3 == 0; });
+    const auto report = calibrate_rig(tools(), board, std::move(pairs), kWidth_px, kHeight_px, Lens::equidistant);
+    EXPECT_GE(report.used.size(), 6U);
+    EXPECT_LT(report.solution.row_px, 0.2);
+    EXPECT_NEAR(report.calibration.camera.baseline_m, cv::norm(rig.t), 0.01 * cv::norm(rig.t));
+    EXPECT_NEAR(report.solution.raw.left.matrix[0], rig.m1(0, 0), 0.02 * rig.m1(0, 0));
+  }
+}
 #else
 TEST(CalibrateRig, FindsTheRigFromBoardsWithMarkers) {
   EXPECT_FALSE(tools().has_markers());

@@ -93,11 +93,17 @@ PinholeSolution solve_pinholes(const Points& points, const cv::Size& size) {
   return is_better ? full : simple;
 }
 
-/// The fisheye functions want double precision, and rows of points.
+/// The fisheye functions want double precision, and as many corners in each view: boards that are seen in part repeat
+/// theirs, so that every view weighs the same.
 template <class Out, class In>
 std::vector<std::vector<Out>> doubled(const std::vector<std::vector<In>>& points) {
+  std::size_t most = 0;
+  for (const auto& view : points) most = std::max(most, view.size());
   std::vector<std::vector<Out>> result;
-  for (const auto& view : points) result.emplace_back(view.begin(), view.end());
+  for (const auto& view : points) {
+    auto& padded = result.emplace_back(view.begin(), view.end());
+    for (std::size_t i = 0; padded.size() < most; ++i) padded.push_back(padded[i]);
+  }
   return result;
 }
 

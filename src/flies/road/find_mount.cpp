@@ -7,6 +7,7 @@
 #include <iterator>
 #include <vector>
 
+#include "flies/core/usable_pair.hpp"
 #include "flies/road/ground_plane.hpp"
 #include "flies/road/road.hpp"
 #include "flies/road/see_places.hpp"
@@ -175,9 +176,10 @@ double road_share(std::span<const RectifiedPair> pairs, const StereoCamera& came
 
 }  // namespace
 
-MountFinding find_mount(std::span<const RectifiedPair> pairs, const StereoCamera& camera) {
+MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera& camera) {
   MountFinding finding{.told = camera.mount, .mount = camera.mount};
-  for (const auto& pair : pairs) check_pair(pair);
+  std::vector<RectifiedPair> pairs;
+  for (const auto& pair : given) pairs.push_back(detail::usable_pair(pair));
   const double told_road = road_share(pairs, camera);
   finding.is_confirmed = told_road >= kConfirmed;
   if (finding.is_confirmed) return finding;

@@ -11,6 +11,7 @@
 
 #include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
+#include "flies/core/usable_pair.hpp"
 #include "flies/road/correlate_disparities.hpp"
 #include "flies/road/kernels/correlate_shifts.hpp"
 
@@ -192,8 +193,8 @@ void check_road_options(const RoadOptions& options, const std::string& source) {
                      fmt::format("the interval {}..{} m is empty", options.x_min_m, options.x_max_m));
 }
 
-RoadResult estimate_road(const RectifiedPair& pair, const Projection& projection, const RoadOptions& options) {
-  check_pair(pair);
+RoadResult estimate_road(const RectifiedPair& given, const Projection& projection, const RoadOptions& options) {
+  const RectifiedPair pair = detail::usable_pair(given);
   check_road_options(options, "road options");
   RoadResult result;
   if (!options.estimate) return result;

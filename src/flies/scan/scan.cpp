@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/usable_pair.hpp"
 
 namespace flies {
 namespace {
@@ -172,10 +173,11 @@ void check_scan_options(const ScanOptions& options, const std::string& source) {
                      fmt::format("the interval {}..{} m is empty", options.z_min_m, options.z_max_m));
 }
 
-Scan Scanner::scan(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road,
+Scan Scanner::scan(const RectifiedPair& given, const Projection& projection, const RoadPlane& road,
                    const Population& flies, const FieldOptions& field, const ScanOptions& options,
                    const PlanarMotion* motion) {
   if (!options.enable) return {};
+  const RectifiedPair pair = detail::usable_pair(given);
   lay_out_cells(pair, projection, road, options, layout_);
   if (layout_.bands > 0)
     kernels::match_cells({.pair = pair,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,19 +12,36 @@ namespace flies {
 
 /// The people of one picture, boxes from head to feet.
 struct PictureLabels {
-  std::string picture;            ///< file name that the labels give, empty when they give none
-  std::vector<ImageBox> people;   ///< wholly visible
-  std::vector<ImageBox> unclear;  ///< labelled as difficult, truncated or occluded; riders; crowds
+  std::string picture;              ///< file name that the labels give, empty when they give none
+  std::vector<ImageBox> people;     ///< wholly visible
+  std::vector<ImageBox> unclear;    ///< labelled as difficult, truncated or occluded; riders; crowds
+  int width_px = 0, height_px = 0;  ///< of the picture, as the labels say; 0: they do not say
 };
 
-/// Reads a Pascal VOC annotation. People are the objects named person, pedestrian or PASperson; other objects are
-/// passed over.
+/// Reads a Pascal VOC annotation. People are the objects named person, pedestrian or PASperson, in capitals or not;
+/// other objects are passed over.
 /// @throws InputError naming `source` and the element: malformed XML, a missing or non-numeric coordinate, an empty box
 PictureLabels parse_voc_labels(std::string_view xml, const std::string& source);
 
-/// Reads a KITTI label_2 file: its 2-D boxes. "Pedestrian" is learnt from when it is neither truncated nor occluded;
-/// "Person_sitting", "Cyclist" and "DontCare" are unclear.
+/// Reads a KITTI label_2 file: its 2-D boxes. "Pedestrian" (or "Person", in capitals or not) is learnt from when it is
+/// neither truncated nor occluded; "Person_sitting", "Cyclist" and "DontCare" are unclear.
 /// @throws InputError naming the line on a wrong number of fields, a field that is not a number, an empty box
 PictureLabels parse_kitti_boxes(std::string_view text, const std::string& source);
+
+/// Reads YOLO's labels of one picture: lines of a class and the middle, width and height of a box, or the corners of a
+/// polygon, in shares of the picture's width and height. Boxes that leave the picture by over a tenth are unclear.
+/// @param person the class of people; others are passed over
+/// @throws InputError naming the line: a wrong number of fields, no number, a share outside of 0 to 1
+PictureLabels parse_yolo_labels(std::string_view text, const std::string& source, int person, int width_px,
+                                int height_px);
+
+/// The number of the class that people are, in YOLO's list of names, a line each.
+/// @throws InputError when none is a person
+int parse_yolo_names(std::string_view text, const std::string& source);
+
+/// The same of a data set's YAML, whose `names` are a list, or a map from numbers.
+/// @returns nothing when the file has no `names`
+/// @throws InputError when it is no YAML or none of the names is a person
+std::optional<int> parse_yolo_yaml(const std::string& text, const std::string& source);
 
 }  // namespace flies

@@ -56,5 +56,51 @@ TEST(ParseKittiBoxes, NamesTheLine) {
               HasSubstr("left < right"));
 }
 
+TEST(ParseVocLabels, TakesNamesInCapitalsAndTheSize) {
+  const PictureLabels labels = parse_voc_labels(
+      "<annotation><size><width>640</width><height>480</height></size><object><name>Person</name><bndbox><xmin>1</xmin>"
+      "<ymin>2</ymin><xmax>3</xmax><ymax>9</ymax></bndbox></object></annotation>",
+      "a.xml");
+  EXPECT_THAT(labels.people, SizeIs(1));
+  EXPECT_EQ(labels.width_px, 640);
+  EXPECT_EQ(labels.height_px, 480);
+}
+
+TEST(ParseYoloLabels, ReadsBoxesAndPolygons) {
+  const PictureLabels labels = parse_yolo_labels(
+      "0 0.5 0.5 0.2 0.4 # a box\n\n0 0.1 0.2 0.3 0.2 0.3 0.8 0.1 0.8\n1 0.5 0.5 0.2 0.4\n"
+      "0 0.0 0.5 0.2 0.4\n",
+      "a.txt", 0, 100, 200);
+  ASSERT_THAT(labels.people, SizeIs(2));
+  EXPECT_DOUBLE_EQ(labels.people[0].u_px, 40.0);
+  EXPECT_DOUBLE_EQ(labels.people[0].v_px, 60.0);
+  EXPECT_DOUBLE_EQ(labels.people[0].width_px, 20.0);
+  EXPECT_DOUBLE_EQ(labels.people[0].height_px, 80.0);
+  EXPECT_DOUBLE_EQ(labels.people[1].u_px, 10.0);
+  EXPECT_DOUBLE_EQ(labels.people[1].height_px, 120.0);
+  EXPECT_THAT(labels.unclear, SizeIs(1));  // half of it is outside
+}
+
+TEST(ParseYoloLabels, NamesTheLine) {
+  const auto fault = [](const char* text) {
+    return testing::error_of([&] { parse_yolo_labels(text, "a.txt", 0, 100, 200); });
+  };
+  EXPECT_THAT(fault("0 0.5 0.5 0.2 0.4\n0 0.5 0.5"), HasSubstr("a.txt: line 2: found 3 fields"));
+  EXPECT_THAT(fault("0 64 0.5 0.2 0.4"), HasSubstr("found 64, expected shares"));
+  EXPECT_THAT(fault("0 0.5 0.5 0 0.4"), HasSubstr("left < right"));
+  EXPECT_THAT(fault("person 0.5 0.5 0.1 0.4"), HasSubstr("line 1"));
+  EXPECT_EQ(parse_yolo_names("car\r\nPerson\r\n", "classes.txt"), 1);
+  EXPECT_THAT(testing::error_of([] { parse_yolo_names("car\n", "classes.txt"); }), HasSubstr("names no person"));
+}
+
+TEST(ParseYoloYaml, KnowsListsAndMaps) {
+  EXPECT_EQ(parse_yolo_yaml("nc: 2\nnames: ['car', 'Person']\n", "data.yaml"), 1);
+  EXPECT_EQ(parse_yolo_yaml("names:\n  - pedestrian\n  - car\n", "data.yaml"), 0);
+  EXPECT_EQ(parse_yolo_yaml("names:\n  0: car\n  5: person\n", "data.yaml"), 5);
+  EXPECT_FALSE(parse_yolo_yaml("path: .\n", "other.yaml"));
+  EXPECT_THAT(testing::error_of([] { parse_yolo_yaml("names: [car]\n", "data.yaml"); }),
+              HasSubstr("data.yaml: names: holds no person"));
+}
+
 }  // namespace
 }  // namespace flies

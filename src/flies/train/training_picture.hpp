@@ -20,12 +20,18 @@ struct TrainingPicture {
   std::vector<ImageBox> unclear;    ///< people that are not fit to learn from, but are no background either
   bool has_proposals = false;       ///< windows without people come from `proposals` only, not from anywhere
   std::vector<ImageBox> proposals;  ///< windows that the flies proposed
+  int labelled_width_px = 0, labelled_height_px = 0;  ///< that the labels say the picture has; 0: they do not say
 };
 
 /// Finds pictures of people. What a folder holds is recognised from its content:
 /// - KITTI: `label_2` beside `image_2`, a text file a picture;
 /// - Pascal VOC: an XML file a picture, in `Annotations` beside `JPEGImages`, or next to the pictures;
+/// - YOLO: a text file a picture, in `labels` beside `images`, or next to the pictures; people are class 0, or what
+///   a YAML file with `names`, `classes.txt` or `obj.names` says; pictures without one show nobody;
 /// - otherwise every picture in it and below is the crop of one person.
+/// Below the folder pictures and labels may lie in folders of the same names; equal names in several folders belong
+/// together by these. Boxes are those of pictures as they are seen, turned by their EXIF orientation; where the size in
+/// a Pascal VOC file says that its boxes are of the stored picture, they are turned along.
 /// People labelled as difficult, truncated or occluded are not learnt from.
 /// @param crop_person_share height of the person, who stands in the middle, over height of a crop
 /// @returns in name order, folder after folder; labelled pictures without a person to learn from are left out
@@ -33,7 +39,7 @@ struct TrainingPicture {
 ///         reading a crop
 std::vector<TrainingPicture> find_pictures_of_people(std::span<const std::string> folders, double crop_person_share);
 
-/// Finds pictures to take background from: without people, or with all people labelled in KITTI or Pascal VOC format.
+/// Finds pictures to take background from: without people, or with all people labelled, as above.
 /// @throws InputError as `find_pictures_of_people`
 std::vector<TrainingPicture> find_background(std::span<const std::string> folders);
 
@@ -42,7 +48,7 @@ std::vector<TrainingPicture> find_background(std::span<const std::string> folder
 /// @throws InputError as `open_dataset`
 std::vector<TrainingPicture> find_proposals(std::span<const std::string> folders, const DetectorOptions& options);
 
-/// The pixels. @throws InputError as `load_gray_image`
+/// The pixels. @throws InputError as `load_gray_image`, and when the labels are for a picture of another size
 GrayImage load_picture(const TrainingPicture& picture);
 
 /// Checks that the people stand in their picture, once its size is known: the middle of each inside, and none more than

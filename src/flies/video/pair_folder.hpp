@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "flies/io/images.hpp"
 #include "flies/io/pair_source.hpp"
 #include "flies/video/frame_stream.hpp"
 
@@ -11,12 +12,13 @@ namespace flies {
 class PairFolder final : public FrameReader {
  public:
   /// @param rate_hz pairs a second
-  PairFolder(std::vector<PairPaths> pairs, double rate_hz);
+  PairFolder(std::vector<PairPaths> pairs, const PairReading& reading, double rate_hz);
   bool read(SourceFrame& frame) override;
   double rate_hz() const override { return rate_hz_; }
 
  private:
   std::vector<PairPaths> pairs_;
+  PairReading reading_;
   double rate_hz_;
   std::size_t next_ = 0;
 };

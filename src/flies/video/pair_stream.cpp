@@ -23,17 +23,20 @@ constexpr std::uint64_t kUnpairedToTell = 10;
 /// Pictures of one film, device or pipeline.
 class CaptureReader final : public FrameReader {
  public:
-  CaptureReader(std::unique_ptr<Capture> capture, std::string name)
-      : capture_(std::move(capture)), name_(std::move(name)) {}
+  CaptureReader(std::unique_ptr<Capture> capture, std::string name, std::optional<BayerPattern> bayer)
+      : capture_(std::move(capture)), name_(std::move(name)), bayer_(bayer) {}
   bool read(SourceFrame& frame) override {
     frame.left_name = frame.right_name = name_;
-    return capture_->read(frame.images.left);
+    if (!capture_->read(frame.images.left)) return false;
+    if (bayer_) frame.images.left = demosaiced(std::move(frame.images.left), *bayer_);
+    return true;
   }
   double rate_hz() const override { return capture_->rate_hz(); }
 
  private:
   std::unique_ptr<Capture> capture_;
   std::string name_;
+  std::optional<BayerPattern> bayer_;
 };
 
 FrameStreamOptions stream_options(const PairStreamRequest& request, const std::string& name, bool is_living_source) {
@@ -78,8 +81,9 @@ PairStream::PairStream(const PairStreamRequest& request, const Tell& tell) : req
   const auto began = std::chrono::steady_clock::now();
   if (!request.folder.empty()) {
     constexpr double kUsualRate_hz = 10.0;
-    const auto open = [pairs = request.folder, rate_hz = request.rate_hz > 0.0 ? request.rate_hz : kUsualRate_hz] {
-      return std::make_unique<PairFolder>(pairs, rate_hz);
+    const auto open = [pairs = request.folder, reading = request.reading,
+                       rate_hz = request.rate_hz > 0.0 ? request.rate_hz : kUsualRate_hz] {
+      return std::make_unique<PairFolder>(pairs, reading, rate_hz);
     };
     streams_.push_back(
         std::make_unique<FrameStream>(open, stream_options(request, request.folder.front().left, false), tell, began));
@@ -91,8 +95,9 @@ PairStream::PairStream(const PairStreamRequest& request, const Tell& tell) : req
     const auto open = [capture = CaptureRequest{.source = source,
                                                 .width_px = request.width_px,
                                                 .height_px = request.height_px,
-                                                .rate_hz = request.rate_hz}] {
-      return std::make_unique<CaptureReader>(open_capture(capture), capture.source);
+                                                .rate_hz = request.rate_hz},
+                       bayer = request.reading.bayer] {
+      return std::make_unique<CaptureReader>(open_capture(capture), capture.source, bayer);
     };
     const bool living = is_living(source_kind(source));
     streams_.push_back(std::make_unique<FrameStream>(open, stream_options(request, source, living), tell, began));

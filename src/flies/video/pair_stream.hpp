@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "flies/io/gray_image.hpp"
+#include "flies/io/images.hpp"
 #include "flies/io/pair_source.hpp"
 #include "flies/video/capture.hpp"
 #include "flies/video/frame_stream.hpp"
@@ -21,6 +22,7 @@ struct PairStreamRequest {
   std::vector<std::string> sources = {};         ///< films, devices, pipelines: one of both pictures, or left and right
   std::vector<PairPaths> folder = {};            ///< instead of them, image files
   PairLayout layout = PairLayout::side_by_side;  ///< of one source; the left picture comes first
+  PairReading reading = {};                      ///< how image files hold pairs; `bayer` also of films and devices
   int width_px = 0, height_px = 0;               ///< asked of devices; 0: what they do by themselves
   double rate_hz = 0.0;                          ///< of files and devices; 0: their own
   bool is_looped = false;                        ///< files begin again at their end

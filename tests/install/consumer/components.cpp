@@ -17,9 +17,11 @@ int main(int argc, char** argv) {
   const flies::StereoCamera camera = flies::load_calibration(argv[1]).camera;
   flies::Tracker tracker(camera);
   for (int i = 0; i < 2; ++i) {
-    cv::Mat image(camera.height_px, camera.width_px, CV_8UC1);
-    cv::randu(image, 0, 256);
-    tracker.process(flies::view_of(image, image), 0.1 * i);
+    constexpr int kDisparity_px = 20;
+    cv::Mat left(camera.height_px, camera.width_px, CV_8UC1), right;
+    cv::randu(left, 0, 256);
+    cv::hconcat(left.colRange(kDisparity_px, left.cols), left.colRange(0, kDisparity_px), right);
+    tracker.process(flies::view_of(left, right), 0.1 * i);
   }
   std::cout << "flies " << flies::library_version() << ", " << camera.baseline_m << " m\n";
   return flies::library_version() == FLIES_VERSION ? 0 : 1;

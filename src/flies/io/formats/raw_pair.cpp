@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "flies/core/error.hpp"
-#include "flies/io/plausible.hpp"
+#include "flies/core/plausible.hpp"
 
 namespace flies::detail {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "flies/core/error.hpp"
+#include "flies/core/plausible.hpp"
 #include "flies/io/formats/raw_pair.hpp"
-#include "flies/io/plausible.hpp"
 
 namespace flies::detail {
 namespace {

@@ -1,4 +1,4 @@
-#include "flies/io/pair_check.hpp"
+#include "flies/core/pair_check.hpp"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <cstdlib>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "flies/core/error.hpp"
-#include "flies/io/gray_image.hpp"
 
 namespace flies {
 namespace {
@@ -23,6 +23,7 @@ constexpr int kPatchHeight_px = 7;
 constexpr int kPatchPixels = kPatchWidth_px * kPatchHeight_px;
 constexpr int kGridColumns = 20;
 constexpr int kGridRows = 8;
+constexpr int kThirdOfRows = 3;
 /// The search reaches a quarter of the image to both sides: nearer than any road scene, and room for indoor ones.
 constexpr int kSearchFraction = 4;
 constexpr double kMinDeviation_gray = 6.0;  // well above sensor noise
@@ -39,9 +40,16 @@ constexpr double kMinConsistent = 0.045;
 constexpr int kMinVotes = 12;
 constexpr double kSwappedShare = 0.75;
 
+struct Reduced {
+  int width_px = 0, height_px = 0;
+  std::vector<std::uint8_t> pixels;
+
+  GrayView view() const { return {pixels.data(), width_px, height_px, width_px}; }
+};
+
 /// Averages blocks of `factor` x `factor` pixels.
-GrayImage reduce(const GrayView& image, int factor) {
-  GrayImage reduced{image.width_px / factor, image.height_px / factor, {}};
+Reduced reduce(const GrayView& image, int factor) {
+  Reduced reduced{image.width_px / factor, image.height_px / factor, {}};
   reduced.pixels.reserve(static_cast<std::size_t>(reduced.width_px) * static_cast<std::size_t>(reduced.height_px));
   std::vector<std::uint32_t> sums(static_cast<std::size_t>(reduced.width_px));
   const auto area = static_cast<std::uint32_t>(factor * factor);
@@ -137,6 +145,14 @@ int strongest_edge(const Band& band, int first_u, int last_u) {
   return best_u;
 }
 
+double nearness_px(std::vector<double> disparities_px) {
+  constexpr std::size_t kFewest = 10;
+  if (disparities_px.size() < kFewest) return 0.0;
+  const auto at = disparities_px.begin() + static_cast<std::ptrdiff_t>(disparities_px.size() * 4 / 5);
+  std::nth_element(disparities_px.begin(), at, disparities_px.end());
+  return *at;
+}
+
 void check_same_scene(const PairEvidence& evidence, const std::string& left_name, const std::string& right_name) {
   // Matches by chance fall on both sides of infinity alike and cancel; those of a pair, swapped or not, do not.
   const int consistent = std::abs(evidence.nearer - evidence.beyond) + evidence.distant;
@@ -161,12 +177,13 @@ PairEvidence gather_pair_evidence(const RectifiedPair& pair, const StereoCamera&
   // Panoramas of few rows must keep enough of them.
   const int factor = std::clamp((pair.left.width_px + kReducedWidth_px / 2) / kReducedWidth_px, 1,
                                 std::max(1, pair.left.height_px / kMinReducedHeight_px));
-  const GrayImage left_image = reduce(pair.left, factor), right_image = reduce(pair.right, factor);
+  const Reduced left_image = reduce(pair.left, factor), right_image = reduce(pair.right, factor);
   const GrayView left = left_image.view(), right = right_image.view();
   const int infinity_px = static_cast<int>(std::lround((camera.cx_px - camera.cx_right_px) / factor));
   const int reach_px = left.width_px / kSearchFraction;
 
   PairEvidence evidence;
+  std::vector<double> upper_px, lower_px;
   for (int row = 0; row < kGridRows; ++row) {
     const int v = (left.height_px - kPatchHeight_px) * (2 * row + 1) / (2 * kGridRows);
     const Band left_band(left, v), right_band(right, v);
@@ -182,9 +199,13 @@ PairEvidence gather_pair_evidence(const RectifiedPair& pair, const StereoCamera&
       const auto back = find_along_row(right_band, match.u, left_band, match.u + infinity_px, reach_px);
       if (!back.unique || std::abs(back.u - u) > kNoise_px) continue;
       const int disparity_px = u - match.u - infinity_px;
+      if (row < kThirdOfRows) upper_px.push_back(disparity_px * factor);
+      if (row >= kGridRows - kThirdOfRows) lower_px.push_back(disparity_px * factor);
       ++(std::abs(disparity_px) <= kNoise_px ? evidence.distant : disparity_px > 0 ? evidence.nearer : evidence.beyond);
     }
   }
+  evidence.upper_px = nearness_px(std::move(upper_px));
+  evidence.lower_px = nearness_px(std::move(lower_px));
   return evidence;
 }
 

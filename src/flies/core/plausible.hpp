@@ -11,9 +11,17 @@ namespace flies::detail {
 
 /// What no stereo camera can be is refused, what hardly one is becomes a note that says what to check.
 /// @param camera numbers as `check_camera` allows them
+/// @param says_size the file itself says the size of the images, so that its principal point is theirs
 /// @returns sentences on what is improbable
 /// @throws InputError naming field, value and the likely unit
-std::vector<std::string> check_plausible(const StereoCamera& camera, const std::string& source);
+std::vector<std::string> check_plausible(const StereoCamera& camera, const std::string& source, bool says_size = true);
+
+/// The size of the images that a camera without one is calibrated for, where that can be told: KITTI's cameras are
+/// known by their numbers; else the principal point is near the middle, which tells the half and the quarter of a size
+/// from it.
+/// @param width_px, height_px of the images at hand
+/// @returns width and height; nothing when the images at hand may well be those that it is for
+std::optional<std::array<int, 2>> size_of_unsized(const StereoCamera& camera, int width_px, int height_px);
 
 /// A file without a size still has a principal point near the middle of its images.
 /// @throws InputError when that tells that the images were resized by one scale

@@ -1,4 +1,4 @@
-#include "flies/io/plausible.hpp"
+#include "flies/core/plausible.hpp"
 
 #include <fmt/format.h>
 
@@ -25,9 +25,28 @@ constexpr double kLeastFocal = 0.1, kProbableFocal = 0.233, kProbableMostFocal =
 constexpr double kProbableAspect = 1.1, kMostAspect = 5.0;
 /// Distance of the principal point from the middle over the image size. Lenses are centred to a few hundredths.
 constexpr double kProbableOffset = 0.07;
+/// A file that says its size means images that were cropped when they were rectified, as those of Middlebury and ETH3D.
+constexpr double kProbableOffsetOfSized = 0.11;
 constexpr double kFarOffset = 0.15;
 /// Sizes that a file leaves out show in the principal point: this much off in both directions is another size.
 constexpr double kResized = 0.15;
+
+/// Rectified cameras of KITTI, whose files of the object and odometry benchmarks say no size: some sizes share numbers.
+struct KittiCamera {
+  double f_px, cx_px, cy_px;
+  int width_px, height_px;
+
+  bool is(const StereoCamera& camera) const {
+    constexpr double kRounding_px = 0.06;  // of files that keep one digit
+    return std::abs(camera.fx_px - f_px) < kRounding_px && std::abs(camera.cx_px - cx_px) < kRounding_px &&
+           std::abs(camera.cy_px - cy_px) < kRounding_px;
+  }
+};
+constexpr KittiCamera kKittiCameras[] = {
+    {721.5377, 609.5593, 172.854, 1242, 375},  {707.0493, 604.0814, 180.5066, 1224, 370},
+    {707.0912, 601.8873, 183.1104, 1226, 370}, {707.0912, 601.8873, 183.1104, 1224, 370},
+    {718.3351, 600.3891, 181.5122, 1238, 374}, {718.856, 607.1928, 185.2157, 1241, 376},
+};
 
 struct Unit {
   const char* name;
@@ -91,7 +110,8 @@ void check_focal_length(const StereoCamera& camera, const std::string& source, s
 
 double offset(double centre_px, int size_px) { return std::abs(centre_px / size_px - 0.5); }
 
-void check_principal_point(const StereoCamera& camera, const std::string& source, std::vector<std::string>& notes) {
+void check_principal_point(const StereoCamera& camera, const std::string& source, bool says_size,
+                           std::vector<std::string>& notes) {
   if (camera.width_px <= 0 || camera.height_px <= 0) return;
   const double across = offset(camera.cx_px, camera.width_px), down = offset(camera.cy_px, camera.height_px);
   const auto found = fmt::format("({:.1f}, {:.1f}) px in images of {} x {} px", camera.cx_px, camera.cy_px,
@@ -100,7 +120,7 @@ void check_principal_point(const StereoCamera& camera, const std::string& source
                             offset(camera.cx_px, camera.height_px) < kProbableOffset;
   if (fits_swapped && std::max(across, down) > kFarOffset)
     throw InputError(source, "principal point", fmt::format("found {}: cx and cy are swapped", found));
-  if (std::max(across, down) > kProbableOffset)
+  if (std::max(across, down) > (says_size ? kProbableOffsetOfSized : kProbableOffset))
     notes.push_back(
         fmt::format("the principal point {} is far from the middle: were the images cropped or resized "
                     "after the calibration?",
@@ -112,12 +132,30 @@ void check_principal_point(const StereoCamera& camera, const std::string& source
 
 }  // namespace
 
-std::vector<std::string> check_plausible(const StereoCamera& camera, const std::string& source) {
+std::vector<std::string> check_plausible(const StereoCamera& camera, const std::string& source, bool says_size) {
   std::vector<std::string> notes;
   check_baseline(camera, source, notes);
   check_focal_length(camera, source, notes);
-  check_principal_point(camera, source, notes);
+  check_principal_point(camera, source, says_size, notes);
   return notes;
+}
+
+std::optional<std::array<int, 2>> size_of_unsized(const StereoCamera& camera, int width_px, int height_px) {
+  const bool is_kitti = std::ranges::any_of(kKittiCameras, [&](const KittiCamera& k) { return k.is(camera); });
+  if (is_kitti) {
+    const KittiCamera* best = nullptr;
+    for (const auto& kitti : kKittiCameras) {
+      if (!kitti.is(camera)) continue;
+      if (kitti.width_px == width_px && kitti.height_px == height_px) return std::nullopt;
+      if (best == nullptr || one_scale(kitti.width_px, kitti.height_px, width_px, height_px)) best = &kitti;
+    }
+    return std::array{best->width_px, best->height_px};
+  }
+  const double across = width_px / (2.0 * camera.cx_px), down = height_px / (2.0 * camera.cy_px);
+  for (const int parts : {2, 4})
+    if (std::abs(across * parts - 1.0) < kProbableOffset && std::abs(down * parts - 1.0) < 2.0 * kProbableOffset)
+      return std::array{parts * width_px, parts * height_px};
+  return std::nullopt;
 }
 
 void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_px, const std::string& source) {

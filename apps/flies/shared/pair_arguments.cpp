@@ -1,0 +1,75 @@
+#include "shared/pair_arguments.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <utility>
+
+#include "flies/core/error.hpp"
+#include "flies/io/exif.hpp"
+#include "flies/io/pair_matching.hpp"
+#include "flies/io/text_file.hpp"
+#include "shared/notes.hpp"
+
+void add_reading_options(CLI::App& command, ReadingArguments& arguments) {
+  command
+      .add_option("--split", arguments.split,
+                  "one file holds both images: side (by side, left first) or top (and bottom, left on top)")
+      ->type_name("HOW");
+  command
+      .add_option("--bayer", arguments.bayer,
+                  "the images are raw mosaics of colour cameras: rggb, bggr, grbg or gbrg, which grey is made of")
+      ->type_name("PATTERN");
+}
+
+void add_pair_options(CLI::App& command, PairArguments& arguments) {
+  command.add_option("LEFT", arguments.left, "left image, or a folder of left images; with --split of both")
+      ->required();
+  command.add_option("RIGHT", arguments.right, "right image, or a folder; see --pair-by; none with --split");
+  command
+      .add_option(
+          "--pair-by", arguments.pair_by,
+          "what makes images of two folders a pair: order, name, time, or auto, the one that the names speak for")
+      ->type_name("HOW");
+  add_reading_options(command, arguments.reading);
+}
+
+flies::PairReading reading_of(const ReadingArguments& arguments) {
+  const auto split = flies::split_of(arguments.split);
+  if (!split) throw flies::InputError("--split", arguments.split, "unknown, expected none, side or top");
+  flies::PairReading reading{.split = *split};
+  if (arguments.bayer.empty()) return reading;
+  reading.bayer = flies::bayer_pattern_of(arguments.bayer);
+  if (!reading.bayer) throw flies::InputError("--bayer", arguments.bayer, "unknown, expected rggb, bggr, grbg or gbrg");
+  return reading;
+}
+
+std::vector<flies::PairPaths> pairs_of(const PairArguments& arguments) {
+  const bool is_joined = reading_of(arguments.reading).split != flies::Split::none;
+  if (is_joined && !arguments.right.empty())
+    throw flies::InputError("RIGHT", arguments.right, "is not needed: with --split one file holds both images");
+  if (!is_joined && arguments.right.empty())
+    throw flies::InputError("RIGHT", "",
+                            "is missing: the right image, or a folder of them; or --split, where LEFT holds both");
+  if (is_joined) return flies::find_joined_pairs(arguments.left);
+  const auto by = flies::pair_by_of(arguments.pair_by);
+  if (!by) throw flies::InputError("--pair-by", arguments.pair_by, "unknown, expected auto, order, name or time");
+  auto found = flies::match_pairs(arguments.left, arguments.right, *by);
+  if (!found.odd.empty()) say_notes({fmt::format("without a partner, and left out: {}", fmt::join(found.odd, ", "))});
+  return std::move(found.pairs);
+}
+
+void note_orientation(const std::string& image, flies::Calibration& calibration) {
+  constexpr std::size_t kMax_bytes = std::size_t{1} << 30;
+  constexpr const char* kTurns[] = {"mirrored",
+                                    "turned by 180 degrees",
+                                    "mirrored upside down",
+                                    "transposed",
+                                    "turned clockwise by 90 degrees",
+                                    "transposed about the other diagonal",
+                                    "turned counter-clockwise by 90 degrees"};
+  const int orientation = flies::detail::stored_orientation(flies::read_file(image, kMax_bytes));
+  if (orientation > 1)
+    calibration.notes.push_back(fmt::format(
+        "images are {}, as their EXIF orientation says: it must be for the turned ones", kTurns[orientation - 2]));
+}
