@@ -314,6 +314,9 @@ std::vector<BadTruth> bad_truths() {
       {"MethodOptionOutOfRange", with_words({"--evolve.generations", "-1"}), {"evolve.generations", "-1"}},
       {"OneCamera", with_words({"--cameras", "1"}), {"--cameras"}},
       {"CamerasOfScenes", with_words({"--cameras", "0,1"}), {"scenes", "cameras"}},
+      {"PlotFolderMissing", with_words({"--plot", "gone/e.png"}), {"gone/e.png"}},
+      {"ScanPlotFolderMissing", with_words({"--scan-plot", "gone/e.png"}), {"gone/e.png"}},
+      {"OneFileForTwo", with_words({"--plot", "e", "--json", "e"}), {"e: --plot: this file is already"}},
       {"OutputFolderMissing", with_words({"--json", "gone/e.json"}), {"gone/e.json"}},
   };
 }
