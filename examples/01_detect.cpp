@@ -2,15 +2,14 @@
 //
 //   01_detect LEFT RIGHT CALIB      e.g. left.png right.png calib.yaml
 //
-// 02_stages.cpp takes the call apart, 03_own_options.cpp changes its settings, 04_scan.cpp reads the scan,
-// 05_engine.cpp serves a living camera.
+// input.hpp reads the files. 02_stages.cpp takes the call apart, 03_own_options.cpp changes its settings, 04_scan.cpp
+// reads the scan, 05_engine.cpp serves a living camera.
 #include <cstdio>
 
 #include "flies/core/error.hpp"
-#include "flies/io/calibration.hpp"
-#include "flies/io/images.hpp"
 #include "flies/pipeline/detector.hpp"
 #include "flies/road/find_mount.hpp"
+#include "input.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 4) {
@@ -18,21 +17,14 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    // Images are 8-bit grey from here on. The calibration is told their size, for not every format states it.
-    flies::GrayPair images = flies::load_pair(argv[1], argv[2]);
-    flies::CalibrationRequest request;
-    request.cameras = flies::kitti_cameras_from_paths(argv[1], argv[2]);
-    request.width_px = images.left.width_px;
-    request.height_px = images.left.height_px;
-    flies::Calibration calibration = flies::load_calibration(argv[3], request);
-    if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+    Input input = load_input(argv[1], argv[2], argv[3]);
 
     // Few calibrations say how high a camera stands and how far it looks down. The road does.
-    const flies::RectifiedPair pair = images.view();
-    calibration.camera.mount = flies::find_mount({&pair, 1}, calibration.camera).mount;
+    const flies::RectifiedPair pair = input.images.view();
+    input.camera.mount = flies::find_mount({&pair, 1}, input.camera).mount;
 
     // The detector belongs to a camera. It may be kept for a whole sequence: one `process` per pair.
-    flies::Detector detector(calibration.camera);
+    flies::Detector detector(input.camera);
     const flies::Detection detection = detector.process(pair);
 
     // Positions are metres in the vehicle frame: x forward, y left, origin on the road below the left camera.

@@ -6,9 +6,8 @@
 #include <cstdio>
 
 #include "flies/core/error.hpp"
-#include "flies/io/calibration.hpp"
-#include "flies/io/images.hpp"
 #include "flies/pipeline/detector.hpp"
+#include "input.hpp"
 
 namespace {
 
@@ -60,14 +59,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    flies::GrayPair images = flies::load_pair(argv[1], argv[2]);
-    flies::CalibrationRequest request;
-    request.cameras = flies::kitti_cameras_from_paths(argv[1], argv[2]);
-    request.width_px = images.left.width_px;
-    request.height_px = images.left.height_px;
-    const flies::Calibration calibration = flies::load_calibration(argv[3], request);
-    if (calibration.rectifier) images = calibration.rectifier->rectify(images);
-    run(images, calibration.camera);
+    const Input input = load_input(argv[1], argv[2], argv[3]);
+    run(input.images, input.camera);
     return 0;
   } catch (const flies::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -8,9 +8,8 @@
 #include <string>
 
 #include "flies/core/error.hpp"
-#include "flies/io/calibration.hpp"
-#include "flies/io/images.hpp"
 #include "flies/pipeline/detector.hpp"
+#include "input.hpp"
 
 namespace {
 
@@ -58,19 +57,13 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    flies::GrayPair images = flies::load_pair(argv[1], argv[2]);
-    flies::CalibrationRequest request;
-    request.cameras = flies::kitti_cameras_from_paths(argv[1], argv[2]);
-    request.width_px = images.left.width_px;
-    request.height_px = images.left.height_px;
-    const flies::Calibration calibration = flies::load_calibration(argv[3], request);
-    if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+    const Input input = load_input(argv[1], argv[2], argv[3]);
 
     const flies::DetectorOptions own = own_options(std::span(argv, static_cast<std::size_t>(argc)).subspan(4));
     print_changes(own);
-    compare("paper", flies::preset_options(flies::Preset::paper), calibration.camera, images.view());
-    compare("default", flies::preset_options(flies::Preset::standard), calibration.camera, images.view());
-    compare("own", own, calibration.camera, images.view());
+    compare("paper", flies::preset_options(flies::Preset::paper), input.camera, input.images.view());
+    compare("default", flies::preset_options(flies::Preset::standard), input.camera, input.images.view());
+    compare("own", own, input.camera, input.images.view());
     return 0;
   } catch (const flies::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -8,9 +8,8 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/free_space.hpp"
-#include "flies/io/calibration.hpp"
-#include "flies/io/images.hpp"
 #include "flies/pipeline/detector.hpp"
+#include "input.hpp"
 
 namespace {
 
@@ -54,16 +53,10 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    flies::GrayPair images = flies::load_pair(argv[1], argv[2]);
-    flies::CalibrationRequest request;
-    request.cameras = flies::kitti_cameras_from_paths(argv[1], argv[2]);
-    request.width_px = images.left.width_px;
-    request.height_px = images.left.height_px;
-    const flies::Calibration calibration = flies::load_calibration(argv[3], request);
-    if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+    const Input input = load_input(argv[1], argv[2], argv[3]);
 
-    flies::Detector detector(calibration.camera);
-    const flies::Detection detection = detector.process(images.view());
+    flies::Detector detector(input.camera);
+    const flies::Detection detection = detector.process(input.images.view());
     print_scan(detection.scan);
     // The same as a polygon, for a planner or a picture: unknown sectors are not part of it.
     std::printf("%zu sectors, %.0f square metres of ground seen free\n", detection.scan.size(),

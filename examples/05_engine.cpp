@@ -10,9 +10,8 @@
 #include <thread>
 
 #include "flies/core/error.hpp"
-#include "flies/io/calibration.hpp"
-#include "flies/io/images.hpp"
 #include "flies/pipeline/engine.hpp"
+#include "input.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 4) {
@@ -20,19 +19,13 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    flies::GrayPair images = flies::load_pair(argv[1], argv[2]);
-    flies::CalibrationRequest request;
-    request.cameras = flies::kitti_cameras_from_paths(argv[1], argv[2]);
-    request.width_px = images.left.width_px;
-    request.height_px = images.left.height_px;
-    const flies::Calibration calibration = flies::load_calibration(argv[3], request);
-    if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+    const Input input = load_input(argv[1], argv[2], argv[3]);
 
-    flies::Engine engine(calibration.camera);
+    flies::Engine engine(input.camera);
     // The camera: it waits for nobody. Were the engine too slow, pairs would be dropped and counted.
     std::thread camera([&] {
       for (int i = 0; i < 20; ++i) {
-        engine.submit(images.view(), 0.01 * i);
+        engine.submit(input.images.view(), 0.01 * i);
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
       }
     });

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "flies/core/options.hpp"
-#include "flies/io/options_yaml.hpp"
 #include "shared/commands.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/standard_output.hpp"
@@ -38,7 +37,8 @@ std::string option_table(const flies::DetectorOptions& options) {
 
 void run_config(const ConfigArguments& arguments) {
   const flies::DetectorOptions options = effective_options(arguments.method);
-  print(arguments.list ? option_table(options) : flies::options_yaml(flies::list_options(options)));
+  const std::string people_model = people_model_of(arguments.method);
+  print(arguments.list ? option_table(options) : options_file_text(options, people_model));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <map>
 
+#include "flies/eval/people.hpp"
 #include "flies/io/images.hpp"
 
 namespace flies::blackbox {
@@ -27,6 +28,21 @@ ScoredFrame detect_and_score(Detector& detector, const std::filesystem::path& le
   frame.detection = detector.process(pair.view());
   frame.score = score_frame(frame.truth, frame.detection.obstacles, options);
   return frame;
+}
+
+PeopleCount count_people(const std::vector<ScoredFrame>& frames) {
+  PeopleCount count;
+  for (const auto& frame : frames) {
+    const PeopleFrame people = score_people(frame.truth, frame.detection.pedestrians);
+    count.wanted += static_cast<int>(std::count(people.roles.begin(), people.roles.end(), PersonRole::counted));
+    for (const auto& verdict : people.verdicts) {
+      count.found += verdict.kind == PersonVerdict::Kind::hit;
+      count.false_alarms += verdict.kind == PersonVerdict::Kind::false_alarm;
+    }
+  }
+  fmt::print("\npeople: {} of {} found, {} false alarms in {} pairs\n", count.found, count.wanted, count.false_alarms,
+             frames.size());
+  return count;
 }
 
 std::vector<ObjectRow> tabulate(const std::vector<ScoredFrame>& frames) {

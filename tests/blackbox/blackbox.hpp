@@ -29,6 +29,12 @@ struct ScoredFrame {
 ScoredFrame detect_and_score(Detector& detector, const std::filesystem::path& left, const std::filesystem::path& right,
                              FrameTruth truth, const MatchOptions& options = {});
 
+/// Reported people against labelled ones, over the frames: how many have to be found and are, and how many are none.
+struct PeopleCount {
+  int wanted = 0, found = 0, false_alarms = 0;
+};
+PeopleCount count_people(const std::vector<ScoredFrame>& frames);
+
 /// What became of one labelled object over the frames.
 struct ObjectRow {
   std::string name;  ///< "Cyclist 1"

@@ -69,7 +69,7 @@ TEST_F(Evaluate, WritesTheDocumentedJson) {
     EXPECT_EQ(method(evaluation, i).at("name"), names[i]);
     EXPECT_GT(method(evaluation, i).at("time_ms").get<double>(), 0.0);
   }
-  for (const std::size_t found : {0, 1, 2}) {
+  for (const std::size_t found : {0U, 1U, 2U}) {
     const json& recall = method(evaluation, found).at("all").at("recall");
     EXPECT_EQ(recall.at("median"), 1.0) << names[found];
     for (const char* key : {"spread", "low", "high"}) EXPECT_TRUE(recall.at(key).is_number()) << key;
@@ -137,7 +137,7 @@ TEST_F(Evaluate, MeasuresReportedPeopleBesideASearchOfTheWholeImage) {
   EXPECT_EQ(people.at("curve").at(0).at("false_alarms_per_frame"), 0.0);
   ASSERT_EQ(people.at("false_alarms").size(), 1u);
   EXPECT_EQ(people.at("false_alarms").at(0).at("name"), "b");
-  for (const std::size_t search : {1, 2}) {
+  for (const std::size_t search : {1U, 2U}) {
     EXPECT_GT(method(evaluation, search).at("people").at("time_ms").get<double>(), 0.0);
     EXPECT_TRUE(method(evaluation, search).at("all").empty()) << "it finds no obstacles";
   }
@@ -189,7 +189,7 @@ TEST_F(Evaluate, MeasuresScansOfASyntheticStreet) {
   const auto share = [&](std::size_t m, const char* name) {
     return method(evaluation, m).at("scan").at("all").at(name).at("median").get<double>();
   };
-  for (const std::size_t m : {0, 1})
+  for (const std::size_t m : {0U, 1U})
     EXPECT_NEAR(share(m, "right") + share(m, "blind") + share(m, "ghost") + share(m, "unknown"), 1.0, 1e-3);
   EXPECT_EQ(share(0, "unknown"), 0.0);
   EXPECT_LT(share(0, "right"), 0.5);
@@ -314,6 +314,9 @@ std::vector<BadTruth> bad_truths() {
       {"MethodOptionOutOfRange", with_words({"--evolve.generations", "-1"}), {"evolve.generations", "-1"}},
       {"OneCamera", with_words({"--cameras", "1"}), {"--cameras"}},
       {"CamerasOfScenes", with_words({"--cameras", "0,1"}), {"scenes", "cameras"}},
+      {"PlotFolderMissing", with_words({"--plot", "gone/e.png"}), {"gone/e.png"}},
+      {"ScanPlotFolderMissing", with_words({"--scan-plot", "gone/e.png"}), {"gone/e.png"}},
+      {"OneFileForTwo", with_words({"--plot", "e", "--json", "e"}), {"e: --plot: this file is already"}},
       {"OutputFolderMissing", with_words({"--json", "gone/e.json"}), {"gone/e.json"}},
   };
 }

@@ -215,6 +215,20 @@ TEST(Config, FeedsBackToItself) {
   EXPECT_EQ(second.out, first.out);
 }
 
+TEST(Config, PaperMeansTheSameWrittenAndRead) {
+  const TestFolder folder;
+  write_street(folder.path());
+  write_text(folder.path() / "paper.yaml", run_flies(folder.path(), {"config", "--preset", "paper"}).out);
+  auto by_name = found(folder, detect({"--json", "-", "--preset", "paper"})).at(0);
+  auto by_file = found(folder, detect({"--json", "-", "--options", "paper.yaml"})).at(0);
+  EXPECT_EQ(by_file.at("run").at("people_model"), "flies-48x96-linear");
+  EXPECT_EQ(by_file.at("pedestrians"), by_name.at("pedestrians"));
+  EXPECT_EQ(by_file.at("obstacles"), by_name.at("obstacles"));
+  const auto overruled =
+      found(folder, detect({"--json", "-", "--options", "paper.yaml", "--model", "flies-48x96"})).at(0);
+  EXPECT_EQ(overruled.at("run").at("people_model"), "flies-48x96");
+}
+
 TEST(Config, CommandLineOverrulesFileOverrulesPreset) {
   const TestFolder folder;
   write_text(folder.path() / "options.yaml", "evolve: {flies: 111, generations: 7}\n");

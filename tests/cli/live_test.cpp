@@ -165,7 +165,7 @@ TEST_F(LiveCommand, FaultsOfRecordingsAreTold) {
   const RunResult absent = run_flies(folder.path(), {"track", "absent.mcap"});
   EXPECT_EQ(absent.err, "flies: absent.mcap: cannot be read\n");
   EXPECT_EQ(run({"beside.avi", "--calib", "calib.txt", "--record", "no/r.mcap"}).err,
-            "flies: no/r.mcap: cannot write: No such file or directory\n");
+            "flies: no/r.mcap: cannot be written: No such file or directory\n");
   EXPECT_THAT(run({"beside.avi", "--calib", "calib.txt", "--foxglove", "1234567"}).err, HasSubstr("--foxglove"));
   EXPECT_THAT(run({"beside.avi", "--calib", "calib.txt", "--foxglove", "0", "--foxglove-address", "here"}).err,
               HasSubstr("here:0: is no IP address"));
@@ -237,7 +237,10 @@ TEST_F(LiveCommand, FaultsAreToldInOneLine) {
        "--split: found 'diagonal', expected none, side or top"},
       {{"beside.avi", "--calib", "calib.txt", "--lop"}, "did you mean --loop?"},
       {{"beside.avi", "--calib", "calib.txt", "--pairs", "0"}, "--pairs"},
-      {{"beside.avi", "--calib", "calib.txt", "--json", "no/such/folder.jsonl"}, "no/such/folder.jsonl: cannot write"},
+      {{"beside.avi", "--calib", "calib.txt", "--json", "no/such/folder.jsonl"},
+       "no/such/folder.jsonl: cannot be written"},
+      {{"beside.avi", "--calib", "calib.txt", "--record", "beside.avi"}, "--record: this file is already an input"},
+      {{"beside.avi", "--calib", "calib.txt", "--json", "f", "--record", "f"}, "f: --record: this file is already"},
       {{"left", "beside.avi", "--calib", "calib.txt"}, "beside.avi"},
   };
   for (const auto& [words, expected] : faults) {

@@ -115,5 +115,31 @@ TEST_F(TrackCommand, NamesWhatIsMissing) {
   EXPECT_THAT(no_drive.err, HasSubstr("no KITTI raw drive"));
 }
 
+TEST_F(TrackCommand, ChecksOutputsBeforeTheWork) {
+  write_text(folder.path() / "drive.mcap", "a recording");
+  const auto before = folder.listing();
+  // The calibration, which is read after them, does not exist.
+  const Words absent = {"--calib", "absent.txt", "--rate", "10"};
+  const auto fault = [&](const Words& outputs) {
+    Words words = absent;
+    words.insert(words.end(), outputs.begin(), outputs.end());
+    const RunResult result = run(words);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(lines(result.err).size(), 1U) << result.err;
+    EXPECT_EQ(folder.listing(), before) << "nothing may be left behind";
+    return result.err;
+  };
+  EXPECT_THAT(fault({"--json", "no/t.jsonl"}), HasSubstr("no/t.jsonl: cannot be written"));
+  EXPECT_THAT(fault({"--kitti", "no/t.txt"}), HasSubstr("no/t.txt: cannot be written"));
+  EXPECT_THAT(fault({"--video", "no/t.mp4"}), HasSubstr("no/t.mp4: cannot be written"));
+  EXPECT_THAT(fault({"--json", "t", "--kitti", "t"}),
+              HasSubstr("t: --kitti: this file is already the output of --json"));
+  EXPECT_THAT(fault({"--json", "-", "--kitti", "-"}), HasSubstr("standard output"));
+  EXPECT_THAT(fault({"--json", "t.jsonl"}), HasSubstr("absent.txt"));
+  EXPECT_THAT(run_flies(folder.path(), {"track", "drive.mcap", "--json", "./drive.mcap"}).err,
+              HasSubstr("--json: this file is already an input"));
+  EXPECT_EQ(read_text(folder.path() / "drive.mcap"), "a recording");
+}
+
 }  // namespace
 }  // namespace flies::testing

@@ -19,7 +19,9 @@ std::vector<std::string> fuzz_seeds() {
   }
   const std::string pixels = "0123456789abcdef0123456789abcdef";
   seeds.insert(seeds.end(), {"P5\n4 3\n255\n" + pixels, "P6\n2 2\n65535\n" + pixels, "P4\n9 2\n" + pixels,
-                             "P2\n2 2\n9\n1 2 3 4\n", "P1\n3 1\n101\n"});
+                             "P2\n2 2\n9\n1 2 3 4\n", "P1\n3 1\n101\n",
+                             // 40 bytes that asked for gigabytes before the first pixel was read.
+                             "P3\n32000 32000\n255\n1 2 3 4 5 6 7 8 9\n"});
   // A little-endian TIFF of 2 x 2 grey pixels: width, height, bits, compression, photometric, strip, rows, bytes.
   std::string tiff("II*\0\x08\0\0\0\x08\0", 10);
   const auto entry = [&](int tag, int type, int value) {

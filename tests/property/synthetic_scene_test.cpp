@@ -56,7 +56,7 @@ std::vector<StereoPoint> textured_places(const RenderedPair& scene, const Fitnes
 TEST(CovarianceFitness, IsHigherOnTheSurfaceThanTenPercentOffInRange) {
   FitnessOptions fitness = preset_options(Preset::paper).fitness;
   ASSERT_EQ(fitness.function, FitnessFunction::covariance);
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const auto scene = render(SceneKind::street, seed);
     const auto places = textured_places(scene, fitness);
     ASSERT_GT(places.size(), 1000U);
@@ -130,7 +130,7 @@ TEST(Wall, IsFoundWithItsRangeWithinThreePercent) {
 }
 
 TEST(EmptyRoad, HasNoObstaclesAndNoPedestrians) {
-  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U}) {
     const auto found = Detector(camera()).process(render(SceneKind::empty_road, seed).gray_pair());
     EXPECT_TRUE(found.obstacles.empty()) << "seed " << seed << ": " << found.obstacles.size() << " obstacles, first at "
                                          << found.obstacles[0].x_m << ", " << found.obstacles[0].y_m;

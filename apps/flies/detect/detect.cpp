@@ -34,7 +34,6 @@ struct DetectArguments {
   PairArguments images;
   std::string calib;
   CameraArguments camera;
-  std::string model;
   RunCorrections corrections;
   MethodArguments method;
   DetectOutputs outputs;
@@ -42,7 +41,7 @@ struct DetectArguments {
 
 std::vector<std::string> other_inputs(const DetectArguments& arguments) {
   std::vector<std::string> inputs = {arguments.calib};
-  for (const auto& path : {arguments.camera.right_calib, arguments.method.options_file, arguments.model})
+  for (const auto& path : {arguments.camera.right_calib, arguments.method.options_file, arguments.method.model})
     if (!path.empty()) inputs.push_back(path);
   return inputs;
 }
@@ -100,7 +99,7 @@ flies::GrayPair usable_pair(const flies::PairPaths& paths, const flies::PairRead
 
 void run_detect(const DetectArguments& arguments) {
   const flies::DetectorOptions unfitted = effective_options(arguments.method);
-  const auto classifier = classifier_for(arguments.method.preset, arguments.model);
+  const auto classifier = classifier_of(arguments.method);
   const flies::PairReading reading = reading_of(arguments.images.reading);
   const auto pairs = pairs_of(arguments.images);
   const bool is_single = pairs.size() == 1;
@@ -123,7 +122,7 @@ void run_detect(const DetectArguments& arguments) {
   const RunDiagnosis run = diagnose(pairs, reading, calibration, arguments.corrections);
   const flies::DetectorOptions options = effective_options(arguments.method, calibration.camera);
   flies::Detector detector(calibration.camera, options, classifier);
-  const auto run_of = run_record(arguments.method, options, calibration.camera, arguments.calib, arguments.model);
+  const auto run_of = run_record(arguments.method, options, calibration.camera, arguments.calib);
   auto notes = calibration_notes(calibration, arguments.calib);
   for (const auto& note : run.notes) notes.push_back(pairs[first].left + ": " + note);
   // Before a long run; a single pair that cannot be used has one line to say.
@@ -223,11 +222,6 @@ void setup_detect(CLI::App& app) {
   const auto arguments = std::make_shared<DetectArguments>();
   add_input_options(*command, *arguments);
   add_method_options(*command, arguments->method);
-  command
-      ->add_option("--model", arguments->model,
-                   "people model: a name that `flies info` lists, a model file or a network")
-      ->type_name("NAME|FILE")
-      ->group("Method");
   add_output_options(*command, arguments->outputs);
   command->footer(
       "\nImages are PNG, JPEG, PGM, PPM, TIFF, WebP or BMP, grey or colour. Every option of the method can be\n"

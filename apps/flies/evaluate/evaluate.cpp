@@ -25,6 +25,7 @@
 #include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
+#include "shared/output_claims.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/run_diagnosis.hpp"
 #include "shared/standard_output.hpp"
@@ -41,7 +42,6 @@ struct EvaluateArguments {
   std::vector<std::string> detections;
   std::vector<std::string> yardsticks;
   int seeds = 5;
-  std::string model;
   MethodArguments method;
   Overrides match, people, estimate, sectors, dense, hog, tracker;  ///< dotted name and text
   std::string unlabelled, json, plot, scan_plot;
@@ -101,13 +101,16 @@ flies::Method yardstick(const std::string& name, const flies::DetectorOptions& o
   flies::DetectorOptions of_preset = flies::preset_options(static_cast<flies::Preset>(preset - kPresets.begin()));
   of_preset.seed = options.seed;
   of_preset.threads = options.threads;
-  return flies::flies_method(name, of_preset, arguments.seeds, classifier_for(name, arguments.model), is_sequence,
+  MethodArguments by_name;
+  by_name.preset = name;
+  by_name.model = arguments.method.model;
+  return flies::flies_method(name, of_preset, arguments.seeds, classifier_of(by_name), is_sequence,
                              measuring_of(arguments));
 }
 
 std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const flies::DetectorOptions& options,
                                       const flies::Dataset& dataset) {
-  const auto classifier = classifier_for(arguments.method.preset, arguments.model);
+  const auto classifier = classifier_of(arguments.method);
   std::vector<flies::Method> methods;
   if (arguments.detections.empty()) {
     methods.push_back(flies::flies_method(arguments.method.preset, options, arguments.seeds, classifier,
@@ -141,11 +144,23 @@ flies::SequenceResult follow(const EvaluateArguments& arguments, const flies::Da
                              const std::vector<std::size_t>& frames, const EvaluationContext& context) {
   ProgressBar progress(frames.size(), "pairs followed");
   return flies::evaluate_sequence(dataset, frames.front(), frames.back() + 1, context.options, context.tracker,
-                                  classifier_for(arguments.method.preset, arguments.model), context.measuring,
+                                  classifier_of(arguments.method), context.measuring,
                                   [&](std::size_t done) { progress.show(done); });
 }
 
+void check_outputs(const EvaluateArguments& arguments) {
+  OutputClaims claims;
+  for (const auto& path : arguments.detections) claims.reads(path);
+  for (const auto& path :
+       {arguments.calib, arguments.unlabelled, arguments.method.options_file, arguments.method.model})
+    claims.reads(path);
+  claims.writes(arguments.json, "--json");
+  claims.writes(arguments.plot, "--plot");
+  claims.writes(arguments.scan_plot, "--scan-plot");
+}
+
 void run_evaluate(const EvaluateArguments& arguments) {
+  check_outputs(arguments);
   EvaluationContext context;
   context.folder = arguments.folder;
   context.preset = arguments.method.preset;
@@ -229,11 +244,6 @@ void setup_evaluate(CLI::App& app) {
   command->add_option("--seeds", arguments->seeds, "runs with seeds from --seed upwards, default 5")
       ->check(CLI::Range(1, 10000))
       ->type_name("N")
-      ->group("Method");
-  command
-      ->add_option("--model", arguments->model,
-                   "people model: a name that `flies info` lists, a model file or a network")
-      ->type_name("NAME|FILE")
       ->group("Method");
   command
       ->add_option("--yardstick", arguments->yardsticks,

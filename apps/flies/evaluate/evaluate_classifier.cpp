@@ -19,6 +19,7 @@
 #include "flies/io/output_file.hpp"
 #include "shared/commands.hpp"
 #include "shared/listed_options.hpp"
+#include "shared/output_claims.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/standard_output.hpp"
 
@@ -61,7 +62,16 @@ std::optional<flies::OutputFile> output(const std::string& path) {
   return file;
 }
 
+void check_outputs(const ClassifierArguments& arguments) {
+  OutputClaims claims;
+  for (const auto& model : arguments.models) claims.reads(model);
+  claims.writes(arguments.json, "--json");
+  claims.writes(arguments.html, "--html");
+  claims.writes(arguments.plot, "--plot");
+}
+
 void run_evaluate_classifier(const ClassifierArguments& arguments) {
+  check_outputs(arguments);
   ClassifierContext context{arguments.data, command_line(arguments),
                             with_overrides<flies::WindowSampling>(arguments.sampling),
                             with_overrides<flies::EstimateOptions>(arguments.estimate)};

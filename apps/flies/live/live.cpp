@@ -23,6 +23,7 @@
 #include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
+#include "shared/output_claims.hpp"
 #include "shared/pair_arguments.hpp"
 #include "shared/sequence_source.hpp"
 
@@ -33,7 +34,6 @@ struct LiveArguments {
   std::string calib;
   CameraArguments camera;
   RunCorrections corrections;
-  std::string model;
   MethodArguments method;
   Overrides following;
   flies::PairStreamRequest stream;
@@ -97,11 +97,21 @@ LiveRequest live_request(LiveArguments& arguments) {
   request.camera = arguments.camera;
   request.corrections = arguments.corrections;
   request.method = arguments.method;
-  request.model = arguments.model;
   request.following = with_overrides<flies::TrackerOptions>(arguments.following);
-  request.classifier = classifier_for(arguments.method.preset, arguments.model);
+  request.classifier = classifier_of(arguments.method);
   request.max_pairs = arguments.max_pairs;
   return request;
+}
+
+void check_outputs(const LiveArguments& arguments) {
+  OutputClaims claims;
+  for (const auto& source : arguments.sources) claims.reads(source);
+  for (const auto& path :
+       {arguments.calib, arguments.camera.right_calib, arguments.method.options_file, arguments.method.model})
+    claims.reads(path);
+  claims.writes_in_place(arguments.json, "--json");
+  claims.writes_in_place(arguments.record, "--record");
+  claims.writes(arguments.video, "--video");
 }
 
 /// The page steers the run as long as there is one.
@@ -182,6 +192,7 @@ class Outputs {
 };
 
 void run_live(LiveArguments arguments) {
+  check_outputs(arguments);
   LiveRequest request = live_request(arguments);
   std::optional<tbb::global_control> thread_limit;
   if (const int threads = effective_options(request.method).threads; threads > 0) {
@@ -263,11 +274,6 @@ void setup_live(CLI::App& app) {
   add_correction_options(*command, arguments->corrections);
   add_method_options(*command, arguments->method);
   add_listed_options<flies::TrackerOptions>(*command, "", "", arguments->following);
-  command
-      ->add_option("--model", arguments->model,
-                   "people model: a name that `flies info` lists, a model file or a network")
-      ->type_name("NAME|FILE")
-      ->group("Method");
   command->add_option("--json", arguments->json, "one JSON object a line, a line a pair; - is standard output")
       ->type_name("FILE")
       ->group("Output");

@@ -123,7 +123,7 @@ bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
 }
 
 std::shared_ptr<const flies::RunRecord> LiveRun::record_of(const flies::DetectorOptions& options) const {
-  return run_record(request_.method, options, calibration_->camera, request_.calib, request_.model);
+  return run_record(request_.method, options, calibration_->camera, request_.calib);
 }
 
 std::shared_ptr<LivePair> LiveRun::prepare(flies::StereoFrame frame) {

@@ -25,7 +25,6 @@ struct LiveRequest {
   CameraArguments camera;
   RunCorrections corrections;
   MethodArguments method;
-  std::string model;  ///< of people, as on the command line
   flies::TrackerOptions following;
   std::shared_ptr<const flies::PeopleClassifier> classifier;
   std::uint64_t max_pairs = 0;  ///< ends after so many; 0: when the source does

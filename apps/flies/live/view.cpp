@@ -10,7 +10,6 @@
 
 #include "flies/core/error.hpp"
 #include "flies/io/image_codecs.hpp"
-#include "flies/io/options_yaml.hpp"
 #include "live/view_files.hpp"
 #include "live/view_state.hpp"
 
@@ -185,7 +184,7 @@ flies::WebAnswer View::report(const flies::WebRequest& request) {
   {
     const std::lock_guard lock(mutex_);
     notes = notes_;
-    if (run_ != nullptr) options = flies::options_yaml(flies::list_options(run_->options()));
+    if (run_ != nullptr) options = options_file_text(run_->options(), frame->run->people_model);
   }
   return {.type = "application/zip",
           .body = view_report(*frame, options, notes),

@@ -1,11 +1,18 @@
 #include "shared/method_arguments.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "flies/core/options.hpp"
 #include "flies/io/options_yaml.hpp"
 #include "flies/version.hpp"
+
+namespace {
+constexpr const char* kPeopleModel = "people_model";  // in files of options; the method's own are numbers and words
+}
 
 void add_method_options(CLI::App& app, MethodArguments& arguments) {
   constexpr const char* kGroup = "Method";
@@ -15,6 +22,9 @@ void add_method_options(CLI::App& app, MethodArguments& arguments) {
       ->group(kGroup);
   app.add_option("--options", arguments.options_file, "YAML file of options, as `flies config` prints them")
       ->type_name("FILE")
+      ->group(kGroup);
+  app.add_option("--model", arguments.model, "people model: a name that `flies info` lists, a model file or a network")
+      ->type_name("NAME|FILE")
       ->group(kGroup);
   for (const auto& listing : flies::list_options(flies::DetectorOptions{})) {
     const bool is_shown = listing.path == "seed" || listing.path == "threads";
@@ -28,9 +38,22 @@ void add_method_options(CLI::App& app, MethodArguments& arguments) {
   }
 }
 
-std::shared_ptr<const flies::PeopleClassifier> classifier_for(const std::string& preset, const std::string& model) {
-  if (!model.empty()) return flies::people_classifier(model);
-  return flies::preset_classifier(flies::preset_named(preset, "command line"));
+std::string people_model_of(const MethodArguments& arguments) {
+  if (!arguments.model.empty()) return arguments.model;
+  if (!arguments.options_file.empty())
+    for (const auto& setting : flies::load_options_yaml(arguments.options_file))
+      if (setting.path == kPeopleModel) return setting.text;
+  return std::string(flies::preset_people_model(flies::preset_named(arguments.preset, "command line")));
+}
+
+std::shared_ptr<const flies::PeopleClassifier> classifier_of(const MethodArguments& arguments) {
+  return flies::people_classifier(people_model_of(arguments));
+}
+
+std::string options_file_text(const flies::DetectorOptions& options, const std::string& people_model) {
+  return fmt::format("{}: {}  # a name that `flies info` lists or a file (--model)\n", kPeopleModel,
+                     nlohmann::json(people_model).dump()) +
+         flies::options_yaml(flies::list_options(options));
 }
 
 std::string preset_name(const flies::DetectorOptions& options) {
@@ -46,14 +69,13 @@ std::string preset_name(const flies::DetectorOptions& options) {
 
 std::shared_ptr<const flies::RunRecord> run_record(const MethodArguments& arguments,
                                                    const flies::DetectorOptions& options,
-                                                   const flies::StereoCamera& camera, const std::string& calibration,
-                                                   const std::string& model) {
+                                                   const flies::StereoCamera& camera, const std::string& calibration) {
   const flies::Preset preset = flies::preset_named(arguments.preset, "command line");
   auto run = std::make_shared<flies::RunRecord>();
   run->version = FLIES_VERSION;
   run->calibration = calibration;
   run->camera = camera;
-  run->people_model = model.empty() ? std::string(flies::preset_people_model(preset)) : model;
+  run->people_model = people_model_of(arguments);
   run->preset = arguments.preset;
   const auto unchanged = flies::list_options(flies::preset_options(preset)), used = flies::list_options(options);
   for (std::size_t i = 0; i < used.size(); ++i)
@@ -69,7 +91,7 @@ namespace {
 flies::DetectorOptions with_settings(flies::DetectorOptions options, const MethodArguments& arguments) {
   if (!arguments.options_file.empty())
     for (const auto& setting : flies::load_options_yaml(arguments.options_file))
-      flies::set_option(options, setting.path, setting.text, setting.source);
+      if (setting.path != kPeopleModel) flies::set_option(options, setting.path, setting.text, setting.source);
   for (const auto& [path, text] : arguments.overrides) flies::set_option(options, path, text, "command line");
   flies::check_detector_options(options, "options");
   return options;

@@ -14,11 +14,12 @@
 struct MethodArguments {
   std::string preset = "default";
   std::string options_file;
+  std::string model;    ///< of people, a name or a file; empty: not given
   Overrides overrides;  ///< dotted name and text, in no particular order
 };
 
-/// Adds --preset, --options, --seed, --threads and, hidden from the help because there are so many, every other option
-/// of the method by its dotted name. `arguments` must outlive the parsing.
+/// Adds --preset, --options, --model, --seed, --threads and, hidden from the help because there are so many, every
+/// other option of the method by its dotted name. `arguments` must outlive the parsing.
 void add_method_options(CLI::App& app, MethodArguments& arguments);
 
 /// Preset, then the YAML file, then the command line; the later one wins.
@@ -28,18 +29,23 @@ flies::DetectorOptions effective_options(const MethodArguments& arguments);
 /// The same for a camera: what the user has not set follows from it (`flies::fitted_options`); not for `paper`.
 flies::DetectorOptions effective_options(const MethodArguments& arguments, const flies::StereoCamera& camera);
 
-/// What classifies people: the model of this name or file, or without one that of the preset. `paper` has the linear
-/// one.
+/// Name or file of the people model: what --model says, else `people_model` in the options file, else that of the
+/// preset.
+/// @throws flies::InputError on an unknown preset or an unreadable file
+std::string people_model_of(const MethodArguments& arguments);
+
+/// What classifies people by that model.
 /// @throws flies::InputError as `flies::people_classifier`
-std::shared_ptr<const flies::PeopleClassifier> classifier_for(const std::string& preset, const std::string& model);
+std::shared_ptr<const flies::PeopleClassifier> classifier_of(const MethodArguments& arguments);
+
+/// A file for --options that means the same whatever the preset beside it.
+std::string options_file_text(const flies::DetectorOptions& options, const std::string& people_model);
 
 /// The preset whose options these are, whatever seed and threads; "custom" when they are no preset's.
 std::string preset_name(const flies::DetectorOptions& options);
 
 /// What a run is made of, for its record.
 /// @param options as they are used, fitted to the camera
-/// @param model   of people, as on the command line; empty: that of the preset
 std::shared_ptr<const flies::RunRecord> run_record(const MethodArguments& arguments,
                                                    const flies::DetectorOptions& options,
-                                                   const flies::StereoCamera& camera, const std::string& calibration,
-                                                   const std::string& model);
+                                                   const flies::StereoCamera& camera, const std::string& calibration);

@@ -26,6 +26,7 @@
 #include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
+#include "shared/output_claims.hpp"
 #include "shared/pair_arguments.hpp"
 #include "shared/run_diagnosis.hpp"
 #include "shared/sequence_source.hpp"
@@ -39,13 +40,24 @@ struct TrackArguments {
   SequenceRequest sequence;
   CameraArguments camera;
   RunCorrections corrections;
-  std::string model;
   MethodArguments method;
   Overrides following;  ///< options of ego and track: dotted name and text
   std::vector<std::string> topics;
   ReadingArguments reading;
   std::string json, kitti, video;
 };
+
+/// Before the work; the files themselves are opened when the first pair is known to be good.
+void check_outputs(const TrackArguments& arguments) {
+  OutputClaims claims;
+  for (const auto& source : arguments.sequence.sources) claims.reads(source);
+  for (const auto& path : {arguments.sequence.calib, arguments.sequence.times, arguments.camera.right_calib,
+                           arguments.method.options_file, arguments.method.model})
+    claims.reads(path);
+  claims.writes_in_place(arguments.json, "--json");
+  claims.writes_in_place(arguments.kitti, "--kitti");
+  claims.writes(arguments.video, "--video");
+}
 
 /// Rate and latency on a terminal, a line that is written over, and at the end one that stays.
 class StatusLine {
@@ -100,9 +112,10 @@ class TrackFilm {
 };
 
 void run_track(TrackArguments arguments) {
+  check_outputs(arguments);
   const flies::DetectorOptions unfitted = effective_options(arguments.method);
   const flies::TrackerOptions following = with_overrides<flies::TrackerOptions>(arguments.following);
-  const auto classifier = classifier_for(arguments.method.preset, arguments.model);
+  const auto classifier = classifier_of(arguments.method);
   if (!arguments.camera.cameras.empty())
     arguments.sequence.cameras = std::array{arguments.camera.cameras[0], arguments.camera.cameras[1]};
   if (!arguments.topics.empty()) arguments.sequence.topics = std::array{arguments.topics[0], arguments.topics[1]};
@@ -121,11 +134,10 @@ void run_track(TrackArguments arguments) {
   RunDiagnosis run;
   std::shared_ptr<const flies::RunRecord> run_of;
   std::optional<LineFile> json, kitti;
-  if (!arguments.json.empty()) json.emplace(arguments.json);
-  if (!arguments.kitti.empty()) kitti.emplace(arguments.kitti);
   std::optional<TrackFilm> film;
   if (!arguments.video.empty()) film.emplace(arguments.video, source.times_s);
-  StatusLine status((json && arguments.json != "-") || (film && !json && !kitti));
+  const bool has_lines = !arguments.json.empty() || !arguments.kitti.empty();
+  StatusLine status((!arguments.json.empty() && arguments.json != "-") || (film && !has_lines));
   for (std::size_t i = 0; i < source.pairs.size(); ++i) {
     const auto& [left_path, right_path] = source.pairs[i];
     flies::GrayPair images = source.load(i);
@@ -148,13 +160,15 @@ void run_track(TrackArguments arguments) {
       calibration->camera.height_px = pair.left.height_px;
       const auto options = effective_options(arguments.method, calibration->camera);
       tracker.emplace(calibration->camera, options, following, classifier);
-      run_of = run_record(arguments.method, options, calibration->camera, source.calib, arguments.model);
+      run_of = run_record(arguments.method, options, calibration->camera, source.calib);
       auto notes = source.notes;
       for (const auto& note : calibration->notes) notes.push_back(source.calib + ": " + note);
       for (const auto& note : run.notes) notes.push_back(left_path + ": " + note);
       say_notes(notes);
       say_run(*run_of);
       flies::check_true_pair(pair, calibration->camera, left_path, right_path);
+      if (!arguments.json.empty()) json.emplace(arguments.json);
+      if (!arguments.kitti.empty()) kitti.emplace(arguments.kitti);
     }
 
     const auto start = std::chrono::steady_clock::now();
@@ -206,11 +220,6 @@ void setup_track(CLI::App& app) {
   add_correction_options(*command, arguments->corrections);
   add_method_options(*command, arguments->method);
   add_listed_options<flies::TrackerOptions>(*command, "", "Following", arguments->following);
-  command
-      ->add_option("--model", arguments->model,
-                   "people model: a name that `flies info` lists, a model file or a network")
-      ->type_name("NAME|FILE")
-      ->group("Method");
   command->add_option("--json", arguments->json, "one JSON object a line, a line a pair; - is standard output")
       ->type_name("FILE")
       ->group("Output");

@@ -275,6 +275,53 @@ TEST(FindPeople, LooksTwiceAtAFewBoxesOfAPlace) {
   EXPECT_NEAR(people[0].height_m, 1.61, 1e-9) << "the mean of what was looked at";
 }
 
+TEST(FindPeople, SeesTwoBoxesOfHopelessPlaces) {
+  ClassifyOptions options = without_offset();
+  options.second_looks = 4;
+  options.min_second_probability = 0.3;
+  const TwoLooks classifier({0.2, 0.2, 0.9, 0.9, 0.2, 0.9, 0.9, 0.9});
+  const auto people = find_people({}, boxes_at_two_places(4), classifier, options).pedestrians;
+  EXPECT_EQ(classifier.windows_seen, 2U + 4U);
+  ASSERT_EQ(people.size(), 1U);
+  EXPECT_NEAR(people[0].y_m, 4.0, 1e-9);
+}
+
+/// At second look surer of windows the nearer their left edge is to one that no proposed box has.
+class KnowsWhere final : public PeopleClassifier {
+ public:
+  const std::string& name() const override { return name_; }
+  double threshold() const override { return 0.5; }
+  bool looks_twice() const override { return true; }
+  double screen_threshold() const override { return 0.1; }
+  std::vector<double> screen(const GrayView&, std::span<const ImageBox> windows) const override {
+    return std::vector<double>(windows.size(), 0.9);
+  }
+  std::vector<double> classify(const GrayView&, std::span<const ImageBox> windows) const override {
+    std::vector<double> result;
+    for (const ImageBox& window : windows)
+      result.push_back(std::abs(window.u_px - 4.0) < 0.5 && window.height_px == 100.0 ? 0.9 : 0.4);
+    return result;
+  }
+
+ private:
+  std::string name_ = "knows where";
+};
+
+TEST(FindPeople, LooksBetweenTheBoxesWhereAPersonSeemsToBe) {
+  Roi roi = person(10, 0);
+  roi.window = {0.0, 0.0, 50.0, 100.0};
+  ClassifyOptions options = without_offset();
+  options.votes = 1;
+  EXPECT_TRUE(find_people({}, std::vector{roi}, KnowsWhere(), options).pedestrians.empty());
+  options.min_refined_probability = 0.3;
+  const auto people = find_people({}, std::vector{roi}, KnowsWhere(), options).pedestrians;
+  ASSERT_EQ(people.size(), 1U) << "a box 0.04 of the window's height to the right";
+  EXPECT_NEAR(people[0].probability, 0.9, 1e-9);
+  EXPECT_LT(people[0].y_m, 0.0) << "right is negative";
+  options.min_refined_probability = 0.5;
+  EXPECT_TRUE(find_people({}, std::vector{roi}, KnowsWhere(), options).pedestrians.empty());
+}
+
 TEST(ReportThreshold, StaysAProbability) {
   const FixedClassifier classifier({});
   const auto with_offset = [&](double offset) {

@@ -129,6 +129,18 @@ INSTANTIATE_TEST_SUITE_P(BadInput, CheckCamera,
                                          BadCamera{"baseline_m", [](StereoCamera& c) { c.baseline_m = -0.5; }},
                                          BadCamera{"baseline_m", [](StereoCamera& c) { c.baseline_m = INFINITY; }},
                                          BadCamera{"height_m", [](StereoCamera& c) { c.mount.height_m = 0.0; }},
+                                         BadCamera{"fx_px", [](StereoCamera& c) { c.fx_px = 1e300; }},
+                                         BadCamera{"fy_px", [](StereoCamera& c) { c.fy_px = 1e-300; }},
+                                         BadCamera{"baseline_m", [](StereoCamera& c) { c.baseline_m = 1e5; }},
+                                         BadCamera{"baseline_m", [](StereoCamera& c) { c.baseline_m = 1e-5; }},
+                                         BadCamera{"height_m", [](StereoCamera& c) { c.mount.height_m = 1e5; }},
+                                         BadCamera{"width_px", [](StereoCamera& c) { c.width_px = -1; }},
+                                         BadCamera{"height_px", [](StereoCamera& c) { c.height_px = 1 << 30; }},
+                                         BadCamera{"cx_right_px",
+                                                   [](StereoCamera& c) {
+                                                     c.width_px = 0;
+                                                     c.cx_right_px = 1e9;
+                                                   }},
                                          BadCamera{"pitch_deg",
                                                    [](StereoCamera& c) { c.mount.pitch_rad = radians(60); }},
                                          BadCamera{"roll_deg", [](StereoCamera& c) { c.mount.roll_rad = kNan; }}));

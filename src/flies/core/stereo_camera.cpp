@@ -14,6 +14,12 @@ namespace {
 /// Beyond this the camera does not look along the road and the method's field of detection makes no sense.
 constexpr double kMaxTilt_deg = 45.0;
 
+/// Cameras of endoscopes and of aircraft lie well within these.
+constexpr double kLeastFocal_px = 0.01, kMostFocal_px = 1e6;
+constexpr double kLeastBaseline_m = 1e-4, kMostBaseline_m = 1e4;
+constexpr double kLeastHeight_m = 1e-3, kMostHeight_m = 1e4;
+constexpr int kMostSize_px = 1 << 20;
+
 /// Standard deviations of the disparity of an obstacle, and of its range where disparity is exact, as a share of it.
 constexpr double kDisparityDeviation_px = 0.3;
 constexpr double kRangeDeviation = 0.015;
@@ -25,20 +31,20 @@ void require(bool ok, const std::string& source, const char* field, double found
 }  // namespace
 
 void check_camera(const StereoCamera& camera, const std::string& source) {
-  const auto require_positive = [&](double value, const char* field) {
-    require(std::isfinite(value) && value > 0.0, source, field, value, "a positive finite number");
+  const auto require_within = [&](double value, double least, double most, const char* field, const char* hint = "") {
+    if (!(value >= least && value <= most))
+      throw InputError(source, field, fmt::format("found {:.6g}, expected {:g} to {:g}{}", value, least, most, hint));
   };
-  const auto require_finite = [&](double value, const char* field) {
-    require(std::isfinite(value), source, field, value, "a finite number");
-  };
-  require_positive(camera.fx_px, "fx_px (focal length)");
-  require_positive(camera.fy_px, "fy_px (focal length)");
-  require_finite(camera.cx_px, "cx_px (principal point)");
-  require_finite(camera.cx_right_px, "cx_right_px (principal point of the right image)");
-  require_finite(camera.cy_px, "cy_px (principal point)");
-  require(std::isfinite(camera.baseline_m) && camera.baseline_m > 0.0, source, "baseline_m", camera.baseline_m,
-          "a positive finite number (a negative baseline means that left and right are swapped)");
-  require_positive(camera.mount.height_m, "height_m (camera height)");
+  require_within(camera.fx_px, kLeastFocal_px, kMostFocal_px, "fx_px (focal length)");
+  require_within(camera.fy_px, kLeastFocal_px, kMostFocal_px, "fy_px (focal length)");
+  require_within(camera.width_px, 0, kMostSize_px, "width_px (image size)");
+  require_within(camera.height_px, 0, kMostSize_px, "height_px (image size)");
+  require_within(camera.cx_px, -kMostSize_px, kMostSize_px, "cx_px (principal point)");
+  require_within(camera.cx_right_px, -kMostSize_px, kMostSize_px, "cx_right_px (principal point of the right image)");
+  require_within(camera.cy_px, -kMostSize_px, kMostSize_px, "cy_px (principal point)");
+  require_within(camera.baseline_m, kLeastBaseline_m, kMostBaseline_m, "baseline_m",
+                 camera.baseline_m < 0.0 ? " (a negative baseline means that left and right are swapped)" : "");
+  require_within(camera.mount.height_m, kLeastHeight_m, kMostHeight_m, "height_m (camera height)");
   const auto require_tilt = [&](double tilt_rad, const char* field) {
     require(std::isfinite(tilt_rad) && std::abs(degrees(tilt_rad)) <= kMaxTilt_deg, source, field, degrees(tilt_rad),
             "-45 to 45 degrees");

@@ -31,8 +31,8 @@ struct StereoCamera {
   CameraMount mount;
 };
 
-/// Checks that all numbers are finite and in their range (focal lengths, baseline and height positive, pitch and
-/// roll within 45 degrees, principal point within one image size of the image).
+/// Checks the ranges: focal lengths 0.01 to 1e6 px, baseline 1e-4 to 1e4 m, height 1e-3 to 1e4 m, tilts within 45
+/// degrees, sizes 0 to 2^20 px, principal points within one image size of the image, of unknown images within 2^20 px.
 /// @throws InputError naming `source` and the field, and the likely unit where a length cannot be in the one expected
 void check_camera(const StereoCamera& camera, const std::string& source);
 

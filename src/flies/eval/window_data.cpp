@@ -38,9 +38,9 @@ fs::path part_of(const fs::path& folder, const char* name) {
   return folder / name;
 }
 
-std::vector<WindowSet> positive_sets(const fs::path& folder) {
-  std::vector<WindowSet> sets;
-  WindowSet direct{"positives", {}};
+std::vector<PictureSet> positive_sets(const fs::path& folder) {
+  std::vector<PictureSet> sets;
+  PictureSet direct{"positives", {}};
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (detail::is_hidden(entry.path())) continue;
     if (entry.is_directory())
@@ -50,8 +50,8 @@ std::vector<WindowSet> positive_sets(const fs::path& folder) {
   }
   std::sort(direct.files.begin(), direct.files.end());
   sets.push_back(std::move(direct));
-  std::erase_if(sets, [](const WindowSet& set) { return set.files.empty(); });
-  std::sort(sets.begin(), sets.end(), [](const WindowSet& a, const WindowSet& b) { return a.name < b.name; });
+  std::erase_if(sets, [](const PictureSet& set) { return set.files.empty(); });
+  std::sort(sets.begin(), sets.end(), [](const PictureSet& a, const PictureSet& b) { return a.name < b.name; });
   return sets;
 }
 

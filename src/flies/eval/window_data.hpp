@@ -16,14 +16,14 @@
 namespace flies {
 
 /// Pictures that belong together.
-struct WindowSet {
+struct PictureSet {
   std::string name;
   std::vector<std::string> files;  ///< in name order
 };
 
 /// Where to look for windows of known content: docs/evaluation.md describes the folder.
 struct WindowData {
-  std::vector<WindowSet> positives;    ///< a window with a person each
+  std::vector<PictureSet> positives;   ///< a window with a person each
   std::vector<std::string> negatives;  ///< pictures without people
 };
 

@@ -52,6 +52,14 @@ TEST(DecodeImage, ReadsWhatOpencvReads) {
   }
 }
 
+TEST(DecodePnm, TakesTheShortestTextsAndNoneThatPromisesMore) {
+  EXPECT_EQ(decode_image("P1\n3 2\n101010").size(), cv::Size(3, 2));
+  EXPECT_EQ(decode_image("P2\n2 2\n9\n1 2 3 4").size(), cv::Size(2, 2));
+  EXPECT_EQ(decode_image("P3\n1 1\n9\n1 2 3").size(), cv::Size(1, 1));
+  EXPECT_TRUE(decode_image("P1\n3 2\n10101").empty());
+  EXPECT_TRUE(decode_image("P3\n32000 32000\n255\n1 2 3 4 5 6 7 8 9\n").empty());
+}
+
 TEST(DecodeImage, ReadsTextPixmaps) {
   const cv::Mat bits = decode_image("P1\n3 2\n101\n0 1 0\n");
   expect_equal(bits, (cv::Mat_<std::uint8_t>(2, 3) << 0, 255, 0, 255, 0, 255), "P1");

@@ -10,6 +10,14 @@ namespace {
 
 std::uint8_t byte_at(std::string_view bytes, std::size_t at) { return static_cast<std::uint8_t>(bytes[at]); }
 
+/// What the pixels take at least, so that a file of a few bytes cannot ask for gigabytes.
+std::size_t least_bytes(char kind, std::size_t width, std::size_t height, std::size_t maximum) {
+  const std::size_t values = width * height * (kind == '3' || kind == '6' ? 3 : 1);
+  if (kind == '1') return values;
+  if (kind <= '3') return 2 * values - 1;  // a digit each, and a blank between
+  return kind == '4' ? (width + 7) / 8 * height : values * (maximum > 255 ? 2 : 1);
+}
+
 /// A digit is a pixel, a set bit is black.
 cv::Mat bitmap(std::string_view bytes, std::size_t at, int width, int height, bool is_text) {
   cv::Mat image(height, width, CV_8U, cv::Scalar(255));
@@ -43,10 +51,7 @@ cv::Mat decode_pnm(std::string_view bytes) {
   if (static_cast<double>(*width) * static_cast<double>(*height) > kMaxPixels) return {};
   const auto columns = static_cast<int>(*width), rows = static_cast<int>(*height);
   if (!is_text) ++at;  // one blank before the pixels
-  if (!is_text) {
-    const std::size_t values = is_bitmap ? (*width + 7) / 8 : *width * (kind == '6' ? 3 : 1);
-    if (at > bytes.size() || bytes.size() - at < values * *height * (*maximum > 255 ? 2 : 1)) return {};
-  }
+  if (at > bytes.size() || bytes.size() - at < least_bytes(kind, *width, *height, *maximum)) return {};
   if (is_bitmap) return bitmap(bytes, at, columns, rows, is_text);
 
   const bool is_color = kind == '3' || kind == '6';

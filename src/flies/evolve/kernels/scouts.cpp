@@ -242,7 +242,8 @@ HWY_INLINE void sum_rows(const std::uint8_t* left, const std::uint8_t* right, st
 HWY_INLINE std::size_t most_alike(const ScoutSearch& search, const Trials& trials) {
   const D d;
   const D32 d32;
-  V most = hn::Set(d, kNone), at = hn::Zero(d);
+  // Not minus infinity: MaxOfLanes of Highway's emulated vectors knows none, so that no lane would equal it.
+  V most = hn::Set(d, std::numeric_limits<float>::lowest()), at = hn::Zero(d);
   for (std::size_t k = 0; k < static_cast<std::size_t>(search.scouts); k += kLanes) {
     const auto sum = hn::Load(d32, trials.sum + k);
     const auto variance =
