@@ -31,19 +31,25 @@ void run(const flies::GrayPair& images, const flies::StereoCamera& camera) {
       std::count_if(population.fitness.begin(), population.fitness.end(), [](float f) { return f > 0; });
   std::printf("evolve: %zu flies, %td with fitness, %zu evaluations\n", population.size(), scored, evolved.evaluations);
 
-  // 3. Concentrating: from many flies to few obstacles. Every step on the way is part of the result.
+  // 3. The scan: what a laser scanner would have measured, sector by sector.
+  const flies::Scan scan = flies::scan(pair, projection, road.plane, population, options.field, options.scan);
+  const auto seen = std::count(scan.states.begin(), scan.states.end(), flies::SectorState::obstacle);
+  std::printf("scan: %zu sectors, an obstacle in %td\n", scan.size(), seen);
+
+  // 4. Concentrating: from many flies to few obstacles. Every step on the way is part of the result.
   const flies::ConcentrateResult concentrated =
       flies::concentrate(population, projection, road.plane, options.field, options.concentrate);
   std::printf("concentrate: %zu view-angles, %zu shifted points, %zu candidates, %zu obstacles\n",
               concentrated.view_angles.size(), concentrated.shifted.size(), concentrated.candidates.size(),
               concentrated.obstacles.size());
 
-  // 4. Where would a person be, if the obstacle were one? Boxes with the feet on the road, of several heights.
-  const auto rois = flies::propose_rois(concentrated.obstacles, projection, road.plane, pair.left.width_px,
+  // 5. Where would a person be, if the obstacle were one? Boxes with the feet on the road, of several heights, and the
+  //    same before surfaces of the scan that no obstacle covers.
+  const auto rois = flies::propose_rois(concentrated.obstacles, scan, projection, road.plane, pair.left.width_px,
                                         pair.left.height_px, options.propose);
   std::printf("propose: %zu boxes\n", rois.size());
 
-  // 5. The classifier scores the boxes; of boxes that show the same person the surest is kept.
+  // 6. The classifier scores the boxes; of boxes that show the same person the surest is kept.
   const auto classifier = flies::default_people_classifier();
   const auto pedestrians = flies::find_people(pair.left, rois, *classifier, options.classify).pedestrians;
   std::printf("classify: %zu pedestrians with the model %s\n", pedestrians.size(), classifier->name().c_str());

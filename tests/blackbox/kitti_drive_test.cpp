@@ -10,11 +10,11 @@ namespace flies::blackbox {
 namespace {
 
 // The promise of the preset `default`, a little below the medians of five seeds that README.md and docs/people.md
-// publish: recall 1.000, precision 0.992, all people, 0.02 false alarms a pair.
+// publish: recall 1.000, precision 0.992, all people, 0.07 false alarms a pair.
 constexpr double kMinFound = 0.99;       // every road user of drive 0005 in nearly every frame
 constexpr double kMinPrecision = 0.985;  // of all obstacles against lidar
 constexpr int kPeople = 4;               // one, in frames 0 to 3
-constexpr int kMaxFalsePeople = 3;       // in 60 pairs
+constexpr int kMaxFalsePeople = 4;       // in 60 pairs
 constexpr const char* kDay = "kitti_raw/2011_09_26";
 constexpr const char* kDrive = "2011_09_26_drive_0005_sync";
 constexpr const char* kMustFind[] = {"Cyclist 1", "Pedestrian 2", "Van 0", "Van 3"};

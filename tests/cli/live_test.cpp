@@ -111,7 +111,7 @@ TEST_F(LiveCommand, IsMadeOfWhatTrackIsMadeOf) {
   ASSERT_EQ(of_track.status, 0) << of_track.err;
   const json run = json::parse(lines(of_live.out).front()).at("run");
   EXPECT_EQ(run, json::parse(lines(of_track.out).front()).at("run"));
-  EXPECT_EQ(run.at("people_model"), "flies-48x96");
+  EXPECT_EQ(run.at("people_model"), "flies-48x96-network");
   EXPECT_LT(run.at("options").at("road.x_min_m").get<double>(), 4.0) << "a low camera sees the road sooner";
 }
 

@@ -140,14 +140,11 @@ ClassifyResult find_people(const GrayView& left, std::span<const Roi> rois, cons
   const Verdicts verdicts = classifier.looks_twice()
                                 ? look_again(looks, rois, places, result.screened, first_threshold, options)
                                 : verdicts_of_one_look(rois, places, result.screened);
-  // Finer looks move places, so that two of them may have become one person.
-  const bool is_refined = options.min_refined_probability < 1.0;
-  std::vector<Roi> proposed, moved;
-  for (const std::size_t place : places) proposed.push_back(rois[place]);
-  for (const std::size_t box : is_refined ? verdicts.surest : places)
+  // What was found between the boxes moves places, so that two of them may have become one person.
+  std::vector<Roi> moved;
+  for (const std::size_t box : verdicts.surest)
     moved.push_back(averaged(verdicts.boxes[box], verdicts.boxes, verdicts.of_boxes, options));
-  for (const std::size_t i :
-       suppress_in_metres(is_refined ? moved : proposed, verdicts.of_places, threshold, options)) {
+  for (const std::size_t i : suppress_in_metres(moved, verdicts.of_places, threshold, options)) {
     const Roi& roi = moved[i];
     result.pedestrians.push_back(
         {roi.x_m, roi.y_m, std::hypot(roi.x_m, roi.y_m), roi.height_m, verdicts.of_places[i], roi.person});

@@ -13,15 +13,15 @@
 namespace flies {
 
 struct ClassifyOptions {
-  double threshold_offset = 0.2;
+  double threshold_offset = 0.6;
   double one_stage_threshold_offset = 2.0;
   double lateral_radius_m = 0.4;
   double depth_radius = 0.15;
   double max_overlap = 0.6;
-  double min_first_probability = 0.02;
+  double min_first_probability = 0.005;
   double min_middle_probability = 0.005;
-  double min_second_probability = 0.0;
-  double min_refined_probability = 1.0;
+  double min_second_probability = 0.1;
+  double min_refined_probability = 0.3;
   int second_looks = 5;
   int votes = 3;
 

@@ -40,14 +40,17 @@ class FixedClassifier final : public PeopleClassifier {
   std::vector<double> probabilities_;
 };
 
-ClassifyOptions without_offset() {
+/// The model's threshold, all of the few boxes of every place, and none between them.
+ClassifyOptions plain_looks() {
   ClassifyOptions options;
   options.threshold_offset = options.one_stage_threshold_offset = 0.0;
+  options.min_second_probability = 0.0;
+  options.min_refined_probability = 1.0;
   return options;
 }
 
 std::vector<Pedestrian> find(std::vector<Roi> rois, const std::vector<double>& probabilities,
-                             const ClassifyOptions& options = without_offset()) {
+                             const ClassifyOptions& options = plain_looks()) {
   for (std::size_t i = 0; i < rois.size(); ++i) {
     rois[i].window.u_px = static_cast<double>(i);
     rois[i].obstacle = i;
@@ -137,7 +140,7 @@ TEST(FindPeople, LetsTheLastWordDecide) {
   rois[1].obstacle = 1;
   rois[0].window.u_px = -1.0;
   rois[1].window.u_px = 1.0;
-  ClassifyOptions options = without_offset();
+  ClassifyOptions options = plain_looks();
   options.votes = 1;
   const ClassifyResult result = find_people({}, rois, SecondThoughts(), options);
   EXPECT_EQ(result.screened, (std::vector<double>{0.2, 0.2}));
@@ -180,7 +183,7 @@ TEST(FindPeople, LooksAtOtherHeightsOnlyWhereTheMiddleOneMayBeAPerson) {
     all.push_back(box.probability);
     looked_at.push_back(box.is_looked_at ? box.probability : 0.0);
   }
-  ClassifyOptions options = without_offset();
+  ClassifyOptions options = plain_looks();
   options.min_middle_probability = 0.005;
   EXPECT_EQ(find_people({}, rois, PlaceTells(), options).screened, looked_at);
   options.min_middle_probability = 0.0;
@@ -193,7 +196,7 @@ TEST(FindPeople, PlacesThePersonBetweenTheBoxesOfItsObstacleByTheirOdds) {
     for (std::size_t i = 0; i < two.size(); ++i) two[i].window.u_px = static_cast<double>(i);
     return two;
   }();
-  const auto found = find_people({}, rois, FixedClassifier({0.9, 0.75}), without_offset()).pedestrians;  // odds 9 and 3
+  const auto found = find_people({}, rois, FixedClassifier({0.9, 0.75}), plain_looks()).pedestrians;  // odds 9 and 3
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NEAR(found[0].height_m, 0.75 * 1.6 + 0.25 * 1.9, 1e-9);
   EXPECT_NEAR(found[0].box.height_px, 0.75 * rois[0].person.height_px + 0.25 * rois[1].person.height_px, 1e-9);
@@ -239,7 +242,7 @@ std::vector<Roi> boxes_at_two_places(std::size_t at_each) {
 }
 
 TEST(FindPeople, BelievesBoxesThatAgree) {
-  ClassifyOptions options = without_offset();
+  ClassifyOptions options = plain_looks();
   options.second_looks = 4;
   options.votes = 3;
   const TwoLooks classifier({0.1, 0.8, 0.8, 0.8, 0.95, 0.1, 0.1, 0.1});
@@ -257,7 +260,7 @@ TEST(FindPeople, BelievesBoxesThatAgree) {
 }
 
 TEST(FindPeople, CountsBoxesThatTheFirstLookRefusedAgainstAPlace) {
-  ClassifyOptions options = without_offset();
+  ClassifyOptions options = plain_looks();
   options.second_looks = 2;
   options.votes = 2;
   EXPECT_EQ(find_people({}, boxes_at_two_places(1), TwoLooks({0.8, 0.95}), options).pedestrians.size(), 1U)
@@ -265,7 +268,7 @@ TEST(FindPeople, CountsBoxesThatTheFirstLookRefusedAgainstAPlace) {
 }
 
 TEST(FindPeople, LooksTwiceAtAFewBoxesOfAPlace) {
-  ClassifyOptions options = without_offset();
+  ClassifyOptions options = plain_looks();
   options.second_looks = 3;
   const TwoLooks classifier({0.6, 0.6, 0.6, 0.99, 0.6, 0.6, 0.6, 0.99});
   const auto people = find_people({}, boxes_at_two_places(4), classifier, options).pedestrians;
@@ -276,7 +279,7 @@ TEST(FindPeople, LooksTwiceAtAFewBoxesOfAPlace) {
 }
 
 TEST(FindPeople, SeesTwoBoxesOfHopelessPlaces) {
-  ClassifyOptions options = without_offset();
+  ClassifyOptions options = plain_looks();
   options.second_looks = 4;
   options.min_second_probability = 0.3;
   const TwoLooks classifier({0.2, 0.2, 0.9, 0.9, 0.2, 0.9, 0.9, 0.9});
@@ -310,7 +313,7 @@ class KnowsWhere final : public PeopleClassifier {
 TEST(FindPeople, LooksBetweenTheBoxesWhereAPersonSeemsToBe) {
   Roi roi = person(10, 0);
   roi.window = {0.0, 0.0, 50.0, 100.0};
-  ClassifyOptions options = without_offset();
+  ClassifyOptions options = plain_looks();
   options.votes = 1;
   EXPECT_TRUE(find_people({}, std::vector{roi}, KnowsWhere(), options).pedestrians.empty());
   options.min_refined_probability = 0.3;

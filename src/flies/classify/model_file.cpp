@@ -333,7 +333,7 @@ PeopleModel parse_embedded_model(std::string_view text, const std::string& sourc
   return parse(text, source, false);
 }
 
-PeopleModel shipped_people_model() { return parse_embedded_model(shipped_model_text(), "flies-48x96"); }
+PeopleModel shipped_people_model() { return parse_embedded_model(shipped_network_model_text(), "flies-48x96-network"); }
 
 std::string people_model_text(const PeopleModel& model) {
   check_people_model(model, model.name);

@@ -16,7 +16,7 @@ inline constexpr std::size_t kMaxModelFile_bytes = std::size_t{1} << 28;
 ///         unknown key, wrong type, wrong length, a number that is not finite, a checksum that does not fit
 PeopleModel read_people_model(const std::string& path);
 
-/// The model that comes with the library: models/people_48x96.json.
+/// The default of the models that come with the library: models/people_48x96_network.json.
 PeopleModel shipped_people_model();
 
 /// The same from text in memory.

@@ -16,12 +16,12 @@
 namespace flies {
 namespace {
 
-constexpr std::string_view kShipped = "flies-48x96";
 constexpr std::string_view kShippedNetwork = "flies-48x96-network";
+constexpr std::string_view kShippedKernel = "flies-48x96";
 constexpr std::string_view kShippedLinear = "flies-48x96-linear";
 constexpr std::string_view kOpencv48 = "opencv-48x96";
 constexpr std::string_view kOpencv64 = "opencv-64x128";
-constexpr std::array kNames = {kShipped, kShippedNetwork, kShippedLinear, kOpencv48, kOpencv64};
+constexpr std::array kNames = {kShippedNetwork, kShippedKernel, kShippedLinear, kOpencv48, kOpencv64};
 
 /// OpenCV's weights end with the bias. They come without a calibration: a window at OpenCV's threshold, a score of 0,
 /// is called a toss-up.
@@ -49,9 +49,9 @@ PeopleModel opencv_64x128() {
 std::span<const std::string_view> people_model_names() { return kNames; }
 
 PeopleModel people_model(std::string_view name_or_path) {
-  if (name_or_path == kShipped) return shipped_people_model();
-  if (name_or_path == kShippedNetwork)
-    return parse_embedded_model(shipped_network_model_text(), std::string(kShippedNetwork));
+  if (name_or_path == kShippedNetwork) return shipped_people_model();
+  if (name_or_path == kShippedKernel)
+    return parse_embedded_model(shipped_kernel_model_text(), std::string(kShippedKernel));
   if (name_or_path == kShippedLinear)
     return parse_embedded_model(shipped_linear_model_text(), std::string(kShippedLinear));
   if (name_or_path == kOpencv48) return opencv_48x96();

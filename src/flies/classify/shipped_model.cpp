@@ -1,24 +1,24 @@
 #include "flies/classify/shipped_model.hpp"
 
 // The assembler copies the files; as literals or arrays they would take the compiler minutes.
-// FLIES_SHIPPED_MODEL, FLIES_SHIPPED_NETWORK_MODEL and FLIES_SHIPPED_LINEAR_MODEL are set by CMake.
+// FLIES_SHIPPED_KERNEL_MODEL, FLIES_SHIPPED_NETWORK_MODEL and FLIES_SHIPPED_LINEAR_MODEL are set by CMake.
 asm(R"(
   .pushsection .rodata
-  .hidden flies_shipped_model
-  .hidden flies_shipped_model_end
+  .hidden flies_shipped_kernel_model
+  .hidden flies_shipped_kernel_model_end
   .hidden flies_shipped_network_model
   .hidden flies_shipped_network_model_end
   .hidden flies_shipped_linear_model
   .hidden flies_shipped_linear_model_end
-  .global flies_shipped_model
-  .global flies_shipped_model_end
+  .global flies_shipped_kernel_model
+  .global flies_shipped_kernel_model_end
   .global flies_shipped_network_model
   .global flies_shipped_network_model_end
   .global flies_shipped_linear_model
   .global flies_shipped_linear_model_end
-flies_shipped_model:
-  .incbin ")" FLIES_SHIPPED_MODEL R"("
-flies_shipped_model_end:
+flies_shipped_kernel_model:
+  .incbin ")" FLIES_SHIPPED_KERNEL_MODEL R"("
+flies_shipped_kernel_model_end:
 flies_shipped_network_model:
   .incbin ")" FLIES_SHIPPED_NETWORK_MODEL R"("
 flies_shipped_network_model_end:
@@ -29,7 +29,7 @@ flies_shipped_linear_model_end:
 )");
 
 extern "C" {
-extern const char flies_shipped_model[], flies_shipped_model_end[];
+extern const char flies_shipped_kernel_model[], flies_shipped_kernel_model_end[];
 extern const char flies_shipped_network_model[], flies_shipped_network_model_end[];
 extern const char flies_shipped_linear_model[], flies_shipped_linear_model_end[];
 }
@@ -43,7 +43,9 @@ std::string_view between(const char* begin, const char* end) {
 
 }  // namespace
 
-std::string_view shipped_model_text() { return between(flies_shipped_model, flies_shipped_model_end); }
+std::string_view shipped_kernel_model_text() {
+  return between(flies_shipped_kernel_model, flies_shipped_kernel_model_end);
+}
 
 std::string_view shipped_network_model_text() {
   return between(flies_shipped_network_model, flies_shipped_network_model_end);

@@ -6,7 +6,7 @@
 namespace flies {
 
 std::string_view preset_people_model(Preset preset) {
-  return preset == Preset::paper ? "flies-48x96-linear" : "flies-48x96";
+  return preset == Preset::paper ? "flies-48x96-linear" : "flies-48x96-network";
 }
 
 std::shared_ptr<const PeopleClassifier> preset_classifier(Preset preset) {

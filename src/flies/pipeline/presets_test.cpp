@@ -8,7 +8,7 @@ namespace {
 
 TEST(PresetPeopleModel, IsWhatThePresetsClassifierIsMadeOf) {
   EXPECT_EQ(preset_people_model(Preset::paper), "flies-48x96-linear");
-  EXPECT_EQ(preset_people_model(Preset::robot), "flies-48x96");
+  EXPECT_EQ(preset_people_model(Preset::robot), "flies-48x96-network");
 }
 
 TEST(PresetClassifier, IsTheLinearMachineForThePaper) {

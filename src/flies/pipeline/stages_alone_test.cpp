@@ -134,7 +134,7 @@ INSTANTIATE_TEST_SUITE_P(
                    [](const Bench& bench) {
                      ProposeOptions options;
                      options.heights = 0;
-                     propose_rois({}, bench.projection, {}, kWidth_px, kHeight_px, options);
+                     propose_rois({}, {}, bench.projection, {}, kWidth_px, kHeight_px, options);
                    }},
         BadOptions{"Probes", "probes: found -3",
                    [](const Bench& bench) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/propose/scan_stretches.hpp"
 
 namespace flies {
 namespace {
@@ -168,15 +169,18 @@ void check_propose_options(const ProposeOptions& options, const std::string& sou
         fmt::format("asks for up to {} boxes an obstacle, expected at most {}", rois, kMaxRoisPerObstacle));
 }
 
-std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Projection& projection, const RoadPlane& road,
-                              int image_width_px, int image_height_px, const ProposeOptions& options) {
+std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Scan& scan, const Projection& projection,
+                              const RoadPlane& road, int image_width_px, int image_height_px,
+                              const ProposeOptions& options) {
   check_propose_options(options, "propose options");
+  std::vector<Obstacle> places(obstacles.begin(), obstacles.end());
+  for (const Obstacle& stretch : scan_stretches(obstacles, scan, road, options)) places.push_back(stretch);
   const auto heights_m = person_heights(options);
   const auto downward = alternating(options.vertical_shifts);
   std::vector<Roi> rois;
   SeenKeys seen;
-  for (std::size_t i = 0; i < obstacles.size(); ++i) {
-    const Obstacle& obstacle = obstacles[i];
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Obstacle& obstacle = places[i];
     if (!may_be_person(obstacle, projection, options)) continue;
     const Point3 feet{obstacle.x_m, obstacle.y_m, road.z_m(obstacle.x_m, obstacle.y_m)};
     if (projection.depth_m(feet) < kMinDepth_m) continue;

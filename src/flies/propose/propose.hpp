@@ -8,6 +8,7 @@
 #include "flies/core/options.hpp"
 #include "flies/core/results.hpp"
 #include "flies/core/road.hpp"
+#include "flies/core/scan.hpp"
 #include "flies/core/stereo_camera.hpp"
 
 namespace flies {
@@ -20,7 +21,7 @@ struct Roi {
   double x_m = 0.0;  ///< foot point on the road, vehicle frame
   double y_m = 0.0;
   double height_m = 0.0;     ///< assumed height of the person
-  std::size_t obstacle = 0;  ///< index of the obstacle it was proposed for
+  std::size_t obstacle = 0;  ///< index of the obstacle it was proposed for; stretches of the scan come after them
 };
 
 struct ProposeOptions {
@@ -34,6 +35,7 @@ struct ProposeOptions {
   double person_share = 0.75;
   double min_person_px = 45.0;
   double min_obstacle_height_m = 0.6;
+  double min_stretch_m = 0.2;
   double merge_step = 0.05;
 
   template <class Self, class Field>
@@ -57,6 +59,9 @@ struct ProposeOptions {
           "persons lower than this in the image are not looked for");
     field("min_obstacle_height_m", self.min_obstacle_height_m, Range{0.0, 3.0},
           "an obstacle lower than this is no person; lenient, for measured heights are noisy");
+    field("min_stretch_m", self.min_stretch_m, Range{0.0, 1000.0},
+          "surfaces of the scan that no obstacle's boxes cover give boxes, too, when they are at least this wide; 1000 "
+          "for none");
     field("merge_step", self.merge_step, Range{0.0, 0.5},
           "of two windows that agree to about this share of their height only the first is kept; 0 keeps all");
   }
@@ -64,16 +69,20 @@ struct ProposeOptions {
 
 /// Proposes where to look for people: around every obstacle that may be one, boxes of a few heights with the feet on
 /// the road at the obstacle's range, side by side across its width, and a little above and below (Li 2010, IV).
-/// Boxes of one obstacle and height follow each other and lie on a raster.
+/// Boxes of one obstacle and height follow each other and lie on a raster. The same at stretches of the scan's surfaces
+/// that those boxes leave out: a person may stand before a plain wall, or be one obstacle with a car.
 /// @param obstacles       in the vehicle frame; entries that are not finite or lie behind the camera give no box
+/// @param scan            of the same pair; empty: boxes of the obstacles alone
 /// @param projection      of the camera; boxes are in its left image
 /// @param road            what the feet stand on
 /// @param image_width_px  size of the left image; a person wholly outside it gives no box
 /// @param image_height_px
-/// @returns in the order of the obstacles, then of the heights; at most `max_rois_per_obstacle(options)` for each
+/// @returns in the order of the obstacles, then of the stretches, of each by height; at most
+/// `max_rois_per_obstacle(options)` for each
 /// @throws InputError when an option is out of its range or `min_height_m` exceeds `max_height_m`
-std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Projection& projection, const RoadPlane& road,
-                              int image_width_px, int image_height_px, const ProposeOptions& options);
+std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Scan& scan, const Projection& projection,
+                              const RoadPlane& road, int image_width_px, int image_height_px,
+                              const ProposeOptions& options);
 
 /// @throws InputError naming `source` when an option is out of its range, or `min_height_m` exceeds `max_height_m`
 void check_propose_options(const ProposeOptions& options, const std::string& source);

@@ -44,7 +44,7 @@ ProposeOptions single_box(double height_m) {
 
 std::vector<Roi> propose(const std::vector<Obstacle>& obstacles, const ProposeOptions& options = {},
                          const RoadPlane& road = {}, const StereoCamera& camera = street_camera()) {
-  return propose_rois(obstacles, Projection(camera), road, kWidth_px, kHeight_px, options);
+  return propose_rois(obstacles, {}, Projection(camera), road, kWidth_px, kHeight_px, options);
 }
 
 double centre_u_px(const ImageBox& box) { return box.u_px + box.width_px / 2.0; }
@@ -212,7 +212,25 @@ TEST(ProposeRois, RejectsHeightsInTheWrongOrder) {
 }
 
 TEST(ProposeRois, SurvivesAnImageOfOnePixel) {
-  EXPECT_THAT(propose_rois(std::vector{person_at(10.0, 0.0)}, Projection(street_camera()), {}, 1, 1, {}), IsEmpty());
+  EXPECT_THAT(propose_rois(std::vector{person_at(10.0, 0.0)}, {}, Projection(street_camera()), {}, 1, 1, {}),
+              IsEmpty());
+}
+
+TEST(ProposeRois, LooksAtSurfacesOfTheScanAfterTheObstacles) {
+  Scan scan;
+  scan.angle_min_rad = 0.2;
+  scan.angle_increment_rad = 0.02;
+  scan.ranges_m = {12.0};
+  scan.free_m = {0.0};
+  scan.confidence = {1.0};
+  scan.states = {SectorState::obstacle};
+  const auto rois = propose_rois(std::vector{person_at(10.0, -3.0)}, scan, Projection(street_camera()), {}, kWidth_px,
+                                 kHeight_px, single_box(1.7));
+  ASSERT_EQ(rois.size(), 2U);
+  EXPECT_EQ(rois[0].obstacle, 0U);
+  EXPECT_EQ(rois[1].obstacle, 1U);
+  EXPECT_NEAR(std::atan2(rois[1].y_m, rois[1].x_m), 0.2, 1e-9);
+  EXPECT_NEAR(std::hypot(rois[1].x_m, rois[1].y_m), 12.0, 1e-9);
 }
 
 }  // namespace
