@@ -1,5 +1,6 @@
 #include "flies/classify/convolution.hpp"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -35,11 +36,14 @@ struct Activations {
   T* pixel(std::size_t u, std::size_t v) { return values.data() + (v + 1) * row() + (u + 1) * channels; }
 };
 
-/// Sums of every eighth: an order of its own, which does not hold up the processor.
+/// Sums of every eighth: an order of its own, of which the compiler makes vectors.
 template <class Term>
 double sum_of_eight(std::span<const float> values, const Term& term) {
   double sums[8] = {};
-  for (std::size_t i = 0; i < values.size(); ++i) sums[i % 8] += term(static_cast<double>(values[i]));
+  std::size_t i = 0;
+  for (; i + 8 <= values.size(); i += 8)
+    for (std::size_t lane = 0; lane < 8; ++lane) sums[lane] += term(static_cast<double>(values[i + lane]));
+  for (std::size_t lane = 0; i < values.size(); ++i, ++lane) sums[lane] += term(static_cast<double>(values[i]));
   return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
 }
 
@@ -131,23 +135,42 @@ ConvolutionMachine::ConvolutionMachine(const ConvolutionStage& stage) : bias_(st
     last_[k / outputs * channels + k % outputs] = static_cast<float>(static_cast<double>(stage.last[k]) * step);
 }
 
+/// Activations of every layer, its input first. The zeros around them stay.
+struct ConvolutionMachine::Memory {
+  std::vector<Activations<std::int16_t>> activations;
+
+  explicit Memory(const std::vector<Layer>& layers) {
+    activations.emplace_back(kConvolutionWidth_px, kConvolutionHeight_px, 2);
+    for (const Layer& layer : layers) activations.emplace_back(layer.width, layer.height, layer.outputs);
+  }
+};
+
 double ConvolutionMachine::score(std::span<const float> input) const {
-  Activations<std::int16_t> from(kConvolutionWidth_px, kConvolutionHeight_px, 2);
-  for (std::size_t v = 0; v < from.height; ++v)
-    for (std::size_t u = 0; u < from.width; ++u)
-      *from.pixel(u, v) =
-          static_cast<std::int16_t>(std::nearbyint(input[v * from.width + u] * static_cast<float>(kInputSteps)));
-  for (const Layer& layer : layers_) {
-    Activations<std::int16_t> to(layer.width, layer.height, layer.outputs);
+  Memory memory(layers_);
+  return score(input, memory);
+}
+
+double ConvolutionMachine::score(std::span<const float> input, Memory& memory) const {
+  auto& first = memory.activations.front();
+  for (std::size_t v = 0; v < first.height; ++v) {
+    std::int16_t* levels = first.pixel(0, v);
+    for (std::size_t u = 0; u < first.width; ++u)
+      levels[2 * u] =
+          static_cast<std::int16_t>(std::lrint(input[v * first.width + u] * static_cast<float>(kInputSteps)));
+  }
+  for (std::size_t l = 0; l < layers_.size(); ++l) {
+    const Layer& layer = layers_[l];
+    const auto& from = memory.activations[l];
+    auto& to = memory.activations[l + 1];
     kernels::convolve({layer.width, layer.height, layer.stride, layer.pairs, layer.outputs, layer.weights.data(),
                        layer.scale.data(), layer.offset.data()},
                       from.values.data(), from.row(), to.pixel(0, 0), to.row());
-    from = std::move(to);
   }
   double score = bias_;
-  const std::size_t row = from.width * from.channels;
-  for (std::size_t v = 0; v < from.height; ++v) {
-    const std::int16_t* levels = from.pixel(0, v);
+  auto& outputs = memory.activations.back();
+  const std::size_t row = outputs.width * outputs.channels;
+  for (std::size_t v = 0; v < outputs.height; ++v) {
+    const std::int16_t* levels = outputs.pixel(0, v);
     const float* weights = last_.data() + v * row;
     score +=
         static_cast<double>(sum_terms(row, [=](std::size_t i) { return static_cast<float>(levels[i]) * weights[i]; }));
@@ -157,8 +180,11 @@ double ConvolutionMachine::score(std::span<const float> input) const {
 
 std::vector<double> ConvolutionMachine::scores(const GrayView& image, std::span<const ImageBox> windows) const {
   std::vector<double> scores(windows.size());
-  tbb::parallel_for(std::size_t{0}, windows.size(),
-                    [&](std::size_t i) { scores[i] = score(convolution_input(image, windows[i])); });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, windows.size()), [&](const auto& some) {
+    Memory memory(layers_);
+    for (std::size_t i = some.begin(); i < some.end(); ++i)
+      scores[i] = score(convolution_input(image, windows[i]), memory);
+  });
   return scores;
 }
 

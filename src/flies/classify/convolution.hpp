@@ -47,6 +47,10 @@ class ConvolutionMachine {
     std::vector<std::int16_t> weights;
     std::vector<float> scale, offset;
   };
+  struct Memory;
+
+  double score(std::span<const float> input, Memory& memory) const;
+
   std::vector<Layer> layers_;
   std::vector<float> last_;
   double bias_ = 0.0;

@@ -86,7 +86,17 @@ HWY_ATTR void Block(const Convolution& c, const std::int16_t* input, std::size_t
 
 template <std::size_t kPixels>
 HWY_ATTR void Pixels(const Convolution& c, const std::int16_t* input, std::size_t input_row, std::int16_t* output) {
+  constexpr bool kHasManyRegisters = kLanes == 16;
   std::size_t first = 0;
+  if constexpr (kHasManyRegisters) {
+    if constexpr (kPixels <= 3)
+      for (; first + 4 * kLanes <= c.outputs; first += 4 * kLanes)
+        Block<kPixels, 4>(c, input, input_row, first, output);
+    if (first + 3 * kLanes == c.outputs) {
+      Block<kPixels, 3>(c, input, input_row, first, output);
+      return;
+    }
+  }
   for (; first + 2 * kLanes <= c.outputs; first += 2 * kLanes) Block<kPixels, 2>(c, input, input_row, first, output);
   for (; first < c.outputs; first += kLanes) Block<kPixels, 1>(c, input, input_row, first, output);
 }
