@@ -36,13 +36,17 @@ struct SynthArguments {
   std::vector<std::pair<std::string, std::string>> overrides;  ///< name and text, in the order of the command line
 };
 
-flies::SceneOptions effective_options(const SynthArguments& arguments) {
-  flies::SceneOptions options;
+flies::SceneOptions with_settings(flies::SceneOptions options, const SynthArguments& arguments) {
   if (!arguments.options_file.empty())
     for (const auto& setting : flies::load_options_yaml(arguments.options_file))
       flies::set_option(options, setting.path, setting.text, setting.source);
   for (const auto& [name, text] : arguments.overrides) flies::set_option(options, name, text, "command line");
   return options;
+}
+
+/// What is not set is as the place usually has it.
+flies::SceneOptions effective_options(const SynthArguments& arguments) {
+  return with_settings(flies::scene_defaults(with_settings({}, arguments).kind), arguments);
 }
 
 void write_color_png(const std::string& path, const flies::ColorImage& image) {
@@ -170,7 +174,7 @@ void run_synth(const SynthArguments& arguments) {
 }  // namespace
 
 void setup_synth(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("synth", "render street scenes with known truth");
+  CLI::App* command = app.add_subcommand("synth", "render streets and other places with known truth");
   const auto arguments = std::make_shared<SynthArguments>();
   command->add_option("OUT", arguments->folder, "folder to make")->required();
   command
@@ -207,11 +211,15 @@ void setup_synth(CLI::App& app) {
       "\nWrites OUT/left/000000.png, OUT/right/..., OUT/calib.yaml, OUT/disparity/... (16 bits, disparity\n"
       "times 256, 0 for the sky), OUT/label_2/... (KITTI labels), OUT/truth/... (JSON) and OUT/scene.yaml.\n"
       "A sequence has the times of its pairs in OUT/times.txt, and in its truth the camera's pose and every\n"
-      "object's id and velocity.\n"
+      "object's id and velocity. A room, an aisle, woods (before a drone) and a pavement (before a low rover) come "
+      "with\n"
+      "a camera of their own: 640 x 480 px, focal_px 450, baseline_m 0.12 (woods 0.2), camera_height_m 1, 0.5, 7 and\n"
+      "0.3, pitch_deg 10, 5, 0 and 3, fewer people, indoors no sun.\n"
       "\nExamples:\n"
       "  flies synth street                                  one town street\n"
       "  flies synth crowd --frames 20 --seed 7 --people 15  twenty busier ones\n"
       "  flies synth one --scene pedestrian --people_min_range_m 15.5\n"
+      "  flies synth room --scene room --frames 5            what a robot 1 m high sees; also aisle, woods, pavement\n"
       "  flies synth drive --sequence --seed 3               six seconds of driving, 10 pairs each\n"
       "\nExit status: 0 done, 2 a fault in the options or a folder that cannot be written.");
   command->callback([arguments] { run_synth(*arguments); });

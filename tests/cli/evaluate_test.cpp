@@ -206,6 +206,32 @@ TEST_F(Evaluate, MeasuresScansOfASyntheticStreet) {
     EXPECT_THAT(as_table.out, HasSubstr(word));
 }
 
+TEST_F(Evaluate, MeasuresARoomAsItsOwnCameraSeesIt) {
+  const auto calibration = [&](const Words& more) {
+    Words words = {"synth", "room", "--force", "--width_px", "320", "--height_px", "240", "--focal_px", "225"};
+    words.insert(words.end(), more.begin(), more.end());
+    const RunResult result = run_flies(folder.path(), words);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return read_text(folder.path() / "room/calib.yaml");
+  };
+  EXPECT_THAT(calibration({"--camera_height_m", "1.3", "--scene", "room"}), HasSubstr("height_m: 1.3"))
+      << "what is given counts, before or after the place";
+  EXPECT_THAT(calibration({"--scene", "pavement"}), HasSubstr("height_m: 0.3"));
+  EXPECT_THAT(calibration({"--scene", "room"}), HasSubstr("baseline_m: 0.12"));
+  const std::string left = read_text(folder.path() / "room/left/000000.png");
+  calibration({"--options", "room/scene.yaml"});
+  EXPECT_EQ(read_text(folder.path() / "room/left/000000.png"), left) << "scene.yaml repeats it";
+
+  const RunResult result =
+      run_flies(folder.path(), {"evaluate", "room", "--preset", "robot", "--match.min_range_m", "1",
+                                "--match.max_range_m", "8", "--sectors.min_range_m", "1", "--json", "-"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json evaluation = json::parse(result.out);
+  EXPECT_GE(evaluation.at("objects").get<int>(), 3);
+  EXPECT_GT(evaluation.at("sectors").get<int>(), 20);
+  EXPECT_GT(method(evaluation, 0).at("all").at("recall").at("median").get<double>(), 0.3);
+}
+
 TEST_F(Evaluate, ReadsWhatDetectWrote) {
   ASSERT_EQ(run_flies(folder.path(), {"detect", "scenes/left", "scenes/right", "--calib", "scenes/calib.yaml", "--json",
                                       "d.jsonl", "--evolve.flies", "1000"})

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
@@ -16,6 +18,13 @@ namespace {
 constexpr double kPartlyHidden = 0.15, kLargelyHidden = 0.5;  // as the labels in KITTI's format are written
 constexpr double kMaxTruncation = 0.5;
 constexpr double kMinVisible_px = 100;  // a person at 40 m covers about 300
+
+/// What goes on along the whole view has no place of its own that could be found.
+constexpr std::array<std::string_view, 4> kBackground = {"wall", "hedge", "shelf", "kerb"};
+
+bool is_background(std::string_view type) {
+  return std::find(kBackground.begin(), kBackground.end(), type) != kBackground.end();
+}
 
 double number(const nlohmann::json& object, const char* key, const std::string& source, const std::string& where) {
   const auto found = object.find(key);
@@ -63,7 +72,7 @@ FrameTruth parse_scene_truth(std::string_view text, const std::string& source) {
     };
     LabelledObject object;
     object.type = entry["class"].get<std::string>();
-    const bool is_background = object.type == "wall" || object.type == "hedge";
+    const bool needs_no_finding = is_background(object.type);
     if (!object.type.empty()) {
       object.type[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(object.type[0])));
     }
@@ -75,7 +84,7 @@ FrameTruth parse_scene_truth(std::string_view text, const std::string& source) {
     object.in_view_fraction = 1.0 - object.truncation;
     const double hidden = value_or("occlusion", 0.0);
     object.occlusion = occlusion_level(hidden);
-    object.visible = !is_background && hidden < kLargelyHidden && object.truncation <= kMaxTruncation &&
+    object.visible = !needs_no_finding && hidden < kLargelyHidden && object.truncation <= kMaxTruncation &&
                      value_or("visible_px", kMinVisible_px) >= kMinVisible_px;
     truth.objects.push_back(std::move(object));
   }

@@ -146,6 +146,15 @@ constexpr const char* kScene = R"({"seed": 1, "objects": [
   {"class": "wall", "x_m": 30.0, "y_m": 9.0, "z_m": 0.0, "yaw_rad": 0.0, "length_m": 40.0, "width_m": 0.5,
    "height_m": 8.0, "truncation": 0.0, "occlusion": 0.0, "visible_px": 9000}]})";
 
+TEST(ParseSceneTruth, DoesNotAskForWhatGoesOnAlongTheView) {
+  const auto is_asked_for = [](const std::string& type) {
+    const std::string object = R"("x_m": 3.0, "y_m": 0.0, "length_m": 1.0, "width_m": 1.0, "height_m": 1.0}]})";
+    return parse_scene_truth(R"({"objects": [{"class": ")" + type + "\", " + object, "t.json").objects[0].visible;
+  };
+  for (const char* type : {"wall", "hedge", "shelf", "kerb"}) EXPECT_FALSE(is_asked_for(type)) << type;
+  for (const char* type : {"box", "furniture", "pallet", "tree"}) EXPECT_TRUE(is_asked_for(type)) << type;
+}
+
 TEST(ParseSceneTruth, AsksForRoadUsersThatAreMostlySeen) {
   const FrameTruth truth = parse_scene_truth(kScene, "truth.json");
   ASSERT_EQ(truth.objects.size(), 3u);

@@ -301,6 +301,26 @@ TEST(FittedOptions, DoNotLookWhereOnlyOneCameraSees) {
   EXPECT_GT(fitted_options(wide, preset_options(Preset::robot)).field.x_min_m, 2.0);
 }
 
+TEST(FittedOptions, LookAtADronesOwnHeight) {
+  StereoCamera drone = kitti_camera();
+  drone.width_px = 640;
+  drone.height_px = 480;
+  drone.cy_px = 240.0;
+  drone.fx_px = drone.fy_px = 450.0;
+  drone.mount = {.height_m = 7.0};
+  const DetectorOptions handheld = preset_options(Preset::handheld);
+  const DetectorOptions fitted = fitted_options(drone, handheld);
+  EXPECT_DOUBLE_EQ(0.5 * (fitted.field.z_min_m + fitted.field.z_max_m), 7.0);
+  EXPECT_DOUBLE_EQ(fitted.field.z_max_m - fitted.field.z_min_m, handheld.field.z_max_m - handheld.field.z_min_m);
+  EXPECT_DOUBLE_EQ(0.5 * (fitted.scan.z_min_m + fitted.scan.z_max_m), 7.0);
+
+  drone.mount.pitch_rad = radians(45);  // sees the ground below it
+  EXPECT_EQ(fitted_options(drone, handheld).field.z_max_m, handheld.field.z_max_m);
+  StereoCamera mast = kitti_camera();  // a car's field begins where a mast sees the road
+  mast.mount = {.height_m = 3.0, .pitch_rad = radians(10)};
+  EXPECT_EQ(fitted_options(mast, {}).field.z_max_m, DetectorOptions{}.field.z_max_m);
+}
+
 TEST(FittedOptions, KeepTheDeclaredRangesForAnyCamera) {
   for (const auto preset : kPresets)
     for (const double focal_px : {100.0, 700.0, 5000.0})

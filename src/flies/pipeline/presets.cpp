@@ -58,20 +58,21 @@ DetectorOptions robot_options() {
   o.scan.x_max_m = 30.0;
   o.scan.z_min_m = 0.05;
   o.scan.z_max_m = 1.6;
+  o.scan.evidence.seen_through = 0.1;  // between the legs of tables and chairs much is seen that stands behind
   o.concentrate.samples = 3;
   o.concentrate.min_density_share = 0.002;
   o.concentrate.bin_m = 0.15;
   o.concentrate.assemble.min_score = 0.006;
-  o.concentrate.assemble.lateral_gap_m = 0.3;
+  o.concentrate.assemble.lateral_gap_m = 0.15;
   o.concentrate.assemble.see_through_gap_m = 0.15;
   o.concentrate.assemble.max_width_m = 1.5;
-  o.concentrate.assemble.max_surface_m = 3.0;
+  o.concentrate.assemble.max_surface_m = 1.5;
   o.concentrate.assemble.min_height_m = 0.05;
   o.concentrate.assemble.min_extent_m = 0.04;
   o.concentrate.whole = {.step_m = 0.1,
                          .step_share = 0.03,
                          .depth_m = 1.5,
-                         .join_depth_m = 0.3,
+                         .join_depth_m = 0.15,
                          .max_width_m = 4.0,
                          .gap_m = 0.1,
                          .min_new_width_m = 0.2,
@@ -93,10 +94,34 @@ DetectorOptions handheld_options() {
   o.scan.z_max_m = 2.5;
   o.concentrate.bin_m = 0.25;
   o.concentrate.assemble.lateral_gap_m = 0.5;
+  o.concentrate.assemble.max_surface_m = 3.0;
   o.concentrate.assemble.min_height_m = 0.2;
   o.concentrate.assemble.min_extent_m = 0.1;
+  o.concentrate.whole.join_depth_m = 0.3;
   o.concentrate.whole.max_new_range_m = 12.0;
   return o;
+}
+
+/// The interval of its own width with the camera in the middle.
+void centre_on(double height_m, double& z_min_m, double& z_max_m) {
+  const double half_m = 0.5 * (z_max_m - z_min_m);
+  z_min_m = height_m - half_m;
+  z_max_m = height_m + half_m;
+}
+
+/// A camera that looks over the top of the field in its nearer half, as a drone before trees does, wants to know what
+/// is at its own height.
+void lift_to_camera(const StereoCamera& camera, double lower_edge_rad, DetectorOptions& options) {
+  constexpr double kHighest_m = 20.0, kHighestBody_m = 10.0;  // that the options can say
+  auto& field = options.field;
+  const double height_m = camera.mount.height_m, middle_m = std::sqrt(field.x_min_m * field.x_max_m);
+  const double lowest_seen_m = height_m - middle_m * std::tan(std::clamp(lower_edge_rad, 0.0, 1.5));
+  const bool is_over_it = camera.height_px > 0 && lowest_seen_m > field.z_max_m;
+  if (!is_over_it || height_m + field.z_max_m > kHighest_m) return;
+  centre_on(height_m, field.z_min_m, field.z_max_m);
+  centre_on(height_m, options.scan.z_min_m, options.scan.z_max_m);
+  options.scan.top_m = options.scan.z_max_m;
+  options.scan.evidence.body_height_m = std::min(options.scan.z_max_m, kHighestBody_m);
 }
 
 }  // namespace
@@ -136,6 +161,7 @@ DetectorOptions fitted_options(const StereoCamera& camera, DetectorOptions optio
   const double near_m = std::max({kLeastRange_m, both_m, kBeforeTheRoad * road_m});
   const double far_m = std::max(range_of_deviation_m(camera, kWorstDeviation), 4.0 * near_m);
 
+  lift_to_camera(camera, lower_edge_rad, options);
   auto& field = options.field;
   const double before = std::log(field.x_max_m / field.x_min_m);
   field.x_min_m = std::max({std::min(field.x_min_m, near_m), both_m, road_m < kNever_m ? kHalfHidden * road_m : 0.0});

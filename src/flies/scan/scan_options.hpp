@@ -85,7 +85,7 @@ struct ScanOptions {
     field("angle_increment_deg", self.angle_increment_deg, Range{0.05, 10}, "width of a sector");
     field("x_min_m", self.x_min_m, Range{0.2, 100}, "nearest place ahead that is matched");
     field("x_max_m", self.x_max_m, Range{1, 1000}, "farthest place ahead that is told from the background");
-    field("z_min_m", self.z_min_m, Range{0, 5}, "what stands lower than this above the road is no obstacle");
+    field("z_min_m", self.z_min_m, Range{0, 20}, "what stands lower than this above the road is no obstacle");
     field("z_max_m", self.z_max_m, Range{0.1, 20}, "nor what hangs higher");
     field("top_m", self.top_m, Range{0.1, 20},
           "pixels are matched up to the row of this height above the road, 5 m ahead");

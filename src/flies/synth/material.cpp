@@ -48,6 +48,20 @@ float plaster(const Material& m, const Vec3& p, float footprint) {
   return std::max(0.2F, 1.0F + m.contrast * (stains + grain - splash));
 }
 
+float planks(const Material& m, const Vec3& p, float footprint) {
+  const int board = static_cast<int>(std::floor(p.y / m.scale_m));
+  // Boards end at different places.
+  const float start_m = 2.0F * lattice_value(board, 0, 0, m.seed);
+  const int piece = static_cast<int>(std::floor((p.x + start_m) / 2.0F));
+  const float joint = std::min(1.0F, filtered_stripe(p.y, m.scale_m, 0.004F, footprint) +
+                                         filtered_stripe(p.x + start_m, 2.0F, 0.004F, footprint));
+  const float single = 0.3F * (lattice_value(board, piece, 1, m.seed) - 0.5F);
+  const Vec3 grain{p.x * 0.12F + static_cast<float>(board), p.y, p.z * 0.12F};
+  const float lines = 0.22F * fractal_noise(grain, 0.08F, 0.004F, 0.85F, footprint, m.seed + 5);
+  const float scuffs = 0.1F * fractal_noise(p, 0.5F, 0.02F, 0.8F, footprint, m.seed + 6);
+  return std::max(0.2F, (1.0F + m.contrast * (single + lines + scuffs)) * (1.0F - 0.5F * joint));
+}
+
 Vec3 brick(const Material& m, const Vec3& p, float footprint) {
   constexpr float kLength_m = 0.25F, kCourse_m = 0.083F, kMortar_m = 0.012F;
   const int course = static_cast<int>(std::floor(p.z / kCourse_m));
@@ -119,6 +133,8 @@ Vec3 reflectance(const Material& m, const Vec3& p, float footprint) {
       return mix(m.colour, m.second, std::clamp(2.0F * (hole - 0.45F), 0.0F, 1.0F)) *
              (1.0F + 0.1F * m.contrast * fractal_noise({p.x, p.y, 0}, 0.1F, 0.01F, 0.9F, footprint, m.seed));
     }
+    case Pattern::planks:
+      return m.colour * planks(m, p, footprint);
     case Pattern::plate:
       return mix(m.colour, m.second, plate_signs(m, p, footprint));
   }

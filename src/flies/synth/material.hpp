@@ -19,6 +19,7 @@ enum class Pattern {
   checks,   ///< cloth with checks of `scale_m` in the colour `second`
   speckle,  ///< strong irregular light and dark of size `scale_m`: leaves, bark, grass, hair
   worn,     ///< paint on asphalt with holes worn into it
+  planks,   ///< boards of `scale_m` along x, their grain running down upright faces
   plate,    ///< number plate: dark signs in the colour `second`
 };
 

@@ -4,18 +4,77 @@
 
 #include "flies/core/error.hpp"
 #include "flies/synth/person.hpp"
+#include "flies/synth/places.hpp"
 #include "flies/synth/street.hpp"
 #include "flies/synth/street_parts.hpp"
 
 namespace flies {
 using synth::Vec3;
 
+namespace {
+
+bool is_indoors(SceneKind kind) { return kind == SceneKind::room || kind == SceneKind::aisle; }
+
+}  // namespace
+
 Lighting lighting_of(const SceneOptions& options) {
+  constexpr float kOpenReach_m = 4.0F, kIndoorReach_m = 0.6F;
   const double elevation = radians(options.sun_elevation_deg), azimuth = radians(options.sun_azimuth_deg);
   return {{static_cast<float>(std::cos(elevation) * std::cos(azimuth)),
            static_cast<float>(std::cos(elevation) * std::sin(azimuth)), static_cast<float>(std::sin(elevation))},
           static_cast<float>(options.sun_strength),
-          static_cast<float>(options.ambient)};
+          static_cast<float>(options.ambient),
+          is_indoors(options.kind) ? kIndoorReach_m : kOpenReach_m};
+}
+
+SceneOptions scene_defaults(SceneKind kind) {
+  constexpr int kWidth_px = 640, kHeight_px = 480;
+  constexpr double kFocal_px = 450.0, kBaseline_m = 0.12, kDroneBaseline_m = 0.2;
+  SceneOptions options;
+  options.kind = kind;
+  const auto small_camera = [&](double baseline_m, double height_m, double pitch_deg) {
+    options.width_px = kWidth_px;
+    options.height_px = kHeight_px;
+    options.focal_px = kFocal_px;
+    options.baseline_m = baseline_m;
+    options.camera_height_m = height_m;
+    options.pitch_deg = pitch_deg;
+  };
+  const auto people = [&](int count, double max_range_m) {
+    options.people = count;
+    options.people_min_range_m = 1.5;
+    options.people_max_range_m = max_range_m;
+  };
+  switch (kind) {
+    case SceneKind::room:
+      small_camera(kBaseline_m, 1.0, 10.0);
+      people(1, 6.0);
+      break;
+    case SceneKind::aisle:
+      small_camera(kBaseline_m, 0.5, 5.0);
+      people(1, 10.0);
+      break;
+    case SceneKind::woods:
+      small_camera(kDroneBaseline_m, 7.0, 0.0);
+      people(0, 10.0);
+      options.trees = 14;
+      break;
+    case SceneKind::pavement:
+      small_camera(kBaseline_m, 0.3, 3.0);
+      people(2, 8.0);
+      break;
+    case SceneKind::street:
+    case SceneKind::crossing:
+    case SceneKind::empty_road:
+    case SceneKind::pedestrian:
+    case SceneKind::wall:
+      break;
+  }
+  if (is_indoors(kind)) {
+    options.sun_strength = 0.0;
+    options.ambient = 1.0;
+  }
+  return options;
 }
 
 StereoCamera synthetic_camera(const SceneOptions& options) {
@@ -45,6 +104,18 @@ SyntheticScene build_scene(const SceneOptions& options) {
     case SceneKind::street:
     case SceneKind::crossing:
       scene.objects = synth::street(options);
+      break;
+    case SceneKind::room:
+      scene.objects = synth::room(options);
+      break;
+    case SceneKind::aisle:
+      scene.objects = synth::aisle(options);
+      break;
+    case SceneKind::woods:
+      scene.objects = synth::woods(options);
+      break;
+    case SceneKind::pavement:
+      scene.objects = synth::pavement(options);
       break;
     case SceneKind::empty_road:
       scene.objects = synth::country_road(options);

@@ -11,9 +11,25 @@
 namespace flies {
 
 /// What a synthetic object is. Ground and backdrop are scenery: they are seen but are no obstacles.
-enum class ObjectClass { ground, backdrop, wall, hedge, car, pole, tree, pedestrian, cyclist };
-inline constexpr std::array<std::string_view, 9> kObjectClassNames = {
-    "ground", "backdrop", "wall", "hedge", "car", "pole", "tree", "pedestrian", "cyclist"};
+enum class ObjectClass {
+  ground,
+  backdrop,
+  wall,
+  hedge,
+  car,
+  pole,
+  tree,
+  pedestrian,
+  cyclist,
+  box,
+  furniture,
+  pallet,
+  shelf,
+  kerb
+};
+inline constexpr std::array<std::string_view, 14> kObjectClassNames = {
+    "ground",     "backdrop", "wall", "hedge",     "car",    "pole",  "tree",
+    "pedestrian", "cyclist",  "box",  "furniture", "pallet", "shelf", "kerb"};
 constexpr bool is_obstacle(ObjectClass kind) { return kind != ObjectClass::ground && kind != ObjectClass::backdrop; }
 
 /// One object in its place. The footprint is the rectangle of its body on the ground.
@@ -35,6 +51,7 @@ struct Lighting {
   synth::Vec3 to_sun{0, 0, 1};  ///< unit vector
   float sun = 1.0F;             ///< light on a surface square to the sun
   float ambient = 0.5F;         ///< light of the whole sky on the ground
+  float sky_reach_m = 4.0F;     ///< what is farther away than this hides no sky; little under a ceiling full of lamps
 };
 
 /// Sun and sky of the options.

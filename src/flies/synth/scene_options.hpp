@@ -15,10 +15,15 @@ enum class SceneKind {
   empty_road,  ///< textured road and verges, nothing stands on them
   pedestrian,  ///< one person on the empty road, `people_min_range_m` ahead
   wall,        ///< one wall across the empty road, `people_min_range_m` ahead
+  room,        ///< a room with tables, chairs, cupboards and boxes, for a camera 1 m above its floor
+  aisle,       ///< the aisle of a store between shelves, with pallets and boxes in it
+  woods,       ///< trunks and crowns before a drone, far above the ground
+  pavement,    ///< kerbs, boxes, bollards, tables and legs before a low rover
 };
 template <>
 struct EnumNames<SceneKind> {
-  static constexpr std::array<std::string_view, 5> names = {"street", "crossing", "empty_road", "pedestrian", "wall"};
+  static constexpr std::array<std::string_view, 9> names = {"street", "crossing", "empty_road", "pedestrian", "wall",
+                                                            "room",   "aisle",    "woods",      "pavement"};
 };
 
 /// Everything that decides a synthetic pair. The scene and its images are a pure function of these values.
@@ -29,6 +34,7 @@ struct SceneOptions {
   int cars = 5;
   int poles = 6;
   int trees = 5;
+  int things = 8;
   double people_min_range_m = 6.0;
   double people_max_range_m = 30.0;
   double children = 0.15;
@@ -56,13 +62,15 @@ struct SceneOptions {
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("seed", self.seed, "seed of layout, looks and sensor noise; same options give the same pixels");
-    field("kind", self.kind, "what stands on the road");
+    field("kind", self.kind, "the place and what stands there");
     field("people", self.people, Range{0, 60}, "people wanted; fewer when no free visible place is found");
     field("cars", self.cars, Range{0, 20}, "parked and driving cars wanted");
     field("poles", self.poles, Range{0, 30}, "lamp posts, sign posts and bollards wanted");
-    field("trees", self.trees, Range{0, 20}, "trees wanted");
-    field("people_min_range_m", self.people_min_range_m, Range{2, 100}, "nearest person, along x");
-    field("people_max_range_m", self.people_max_range_m, Range{2, 100}, "farthest person, along x");
+    field("trees", self.trees, Range{0, 60}, "trees wanted");
+    field("things", self.things, Range{0, 40},
+          "boxes, tables and the like wanted in a room, an aisle or on a pavement");
+    field("people_min_range_m", self.people_min_range_m, Range{1, 100}, "nearest person, along x");
+    field("people_max_range_m", self.people_max_range_m, Range{1, 100}, "farthest person, along x");
     field("children", self.children, Range{0, 1}, "share of people who are children, 1.0 to 1.45 m tall");
     field("sun_elevation_deg", self.sun_elevation_deg, Range{5, 90}, "sun above the horizon");
     field("sun_azimuth_deg", self.sun_azimuth_deg, Range{-360, 360}, "direction of the sun, from ahead to the left");
@@ -87,6 +95,11 @@ struct SceneOptions {
           "rectification error: the right image is turned clockwise about its principal point");
   }
 };
+
+/// The options that a place usually goes with. Those of roads are the defaults; a room, an aisle, woods and a pavement
+/// are seen by a small camera (640 x 480 px, baseline 0.12 m, for woods 0.2 m) 1 m, 0.5 m, 7 m and 0.3 m above the
+/// ground, and indoors there is no sun.
+SceneOptions scene_defaults(SceneKind kind);
 
 /// The camera the options describe. The principal point sits where it does in the KITTI cameras, in proportion to
 /// the image size; both cameras have the same one.

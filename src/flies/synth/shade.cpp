@@ -8,7 +8,6 @@ namespace flies::synth {
 namespace {
 
 constexpr int kSkyRays = 2;             ///< per sample
-constexpr float kSkyReach_m = 4.0F;     ///< neighbours farther away hide no sky
 constexpr float kGroundBounce = 0.35F;  ///< light from below against that of the open sky
 constexpr float kHiddenBounce = 0.22F;  ///< light from a neighbour that hides the sky
 constexpr float kSunRadius_rad = 0.008F;
@@ -64,7 +63,7 @@ Vec3 Shader::sky_at(const Vec3& point, const Vec3& normal, int sample) const {
   Vec3 sum;
   for (int k = 0; k < kSkyRays; ++k) {
     const Vec3 direction = about(normal, sky_directions_[static_cast<std::size_t>(sample * kSkyRays + k)]);
-    if (rays_.is_blocked(point, direction, kSkyReach_m)) {
+    if (rays_.is_blocked(point, direction, rays_.scene().lighting.sky_reach_m)) {
       sum = sum + Vec3{1, 1, 1} * kHiddenBounce;
     } else {
       // Below the horizon comes what the ground gives back. The passage is soft, or round things would show an edge.

@@ -5,6 +5,7 @@
 
 #include "flies/synth/person.hpp"
 #include "flies/synth/street_parts.hpp"
+#include "flies/synth/taken.hpp"
 #include "flies/synth/vehicle.hpp"
 
 namespace flies::synth {
@@ -44,13 +45,6 @@ Mesh dashes(float y, float dash_m, float gap_m, const Material& paint) {
   for (float x = 2.0F; x < kEnd_m; x += dash_m + gap_m)
     mesh.add(flat(x, x + dash_m, y - 0.06F, y + 0.06F, kPaint_m, paint));
   return mesh;
-}
-
-SceneObject scenery(Mesh mesh, ObjectClass kind = ObjectClass::ground) {
-  SceneObject object;
-  object.kind = kind;
-  object.mesh = std::move(mesh);
-  return object;
 }
 
 Mesh street_ground(const SceneOptions& options, float zebra_x_m) {
@@ -122,31 +116,6 @@ SceneObject street_end(const SceneOptions& options) {
   }
   return scenery(std::move(mesh), ObjectClass::backdrop);
 }
-
-/// Places already taken, as circles on the ground.
-struct Taken {
-  struct Circle {
-    float x, y, radius;
-  };
-  std::vector<Circle> circles;
-
-  bool is_free(float x, float y, float radius) const {
-    for (const auto& c : circles)
-      if (std::hypot(c.x - x, c.y - y) < c.radius + radius) return false;
-    return true;
-  }
-  /// True when no thing of half width `radius` stands between the camera and (x, y).
-  bool is_in_sight(float x, float y) const {
-    for (const auto& c : circles) {
-      const float along = (c.x * x + c.y * y) / (x * x + y * y);
-      if (along > 0.0F && along < 1.0F && std::hypot(c.x - along * x, c.y - along * y) < c.radius) return false;
-    }
-    return true;
-  }
-  void take_car(float x, float y) {
-    for (const float dx : {-1.5F, 0.0F, 1.5F}) circles.push_back({x + dx, y, 1.0F});
-  }
-};
 
 enum class Lanes { all, parking };
 
@@ -258,6 +227,13 @@ std::vector<SceneObject> people(const SceneOptions& options, float zebra_x_m, Ta
 }
 
 }  // namespace
+
+SceneObject scenery(Mesh mesh, ObjectClass kind) {
+  SceneObject object;
+  object.kind = kind;
+  object.mesh = std::move(mesh);
+  return object;
+}
 
 SceneObject stand(ObjectClass kind, const Mesh& mesh, const Placement& placement) {
   const Bounds bounds = bounds_of(mesh);

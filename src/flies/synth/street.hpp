@@ -14,12 +14,17 @@ inline constexpr std::uint32_t kPolesPurpose = 103;
 inline constexpr std::uint32_t kTreesPurpose = 104;
 inline constexpr std::uint32_t kHousesPurpose = 105;
 inline constexpr std::uint32_t kMoversPurpose = 106;
+inline constexpr std::uint32_t kThingsPurpose = 107;
+inline constexpr std::uint32_t kShelvesPurpose = 108;
 
 /// The kerbs of the street, right and left of the lane in whose middle the camera drives (y = 0), and their height.
 inline constexpr float kKerbRight_m = -3.8F, kKerbLeft_m = 7.1F, kKerbHeight_m = 0.15F;
 
 /// Puts a mesh made around its own origin into the scene and measures it.
 SceneObject stand(ObjectClass kind, const Mesh& mesh, const Placement& placement);
+
+/// A mesh that is seen but stands nowhere: ground and backdrop.
+SceneObject scenery(Mesh mesh, ObjectClass kind = ObjectClass::ground);
 
 /// Road between kerbs, pavements, houses on both sides, and the cars, poles, trees and people asked for. With
 /// `SceneKind::crossing` a zebra crossing lies across the road and half the people walk on it.

@@ -135,10 +135,10 @@ Mesh bollard(FlyRandom& random) {
   return mesh;
 }
 
-Mesh tree(FlyRandom& random, float contrast) {
+Mesh tree(FlyRandom& random, float contrast, const TreeSizes& sizes) {
   const Material bark{Pattern::speckle, {0.13F, 0.10F, 0.07F}, {}, contrast, 0.15F, 0.0F, random.bits()};
-  const float height_m = between(random, 5.0, 9.0), fork_m = between(random, 2.0, 2.8);
-  const float radius_m = between(random, 0.11, 0.2);
+  const float height_m = sizes.height_m.draw(random), fork_m = sizes.fork_m.draw(random);
+  const float radius_m = sizes.radius_m.draw(random);
   const Vec3 lean{between(random, -0.15, 0.15), between(random, -0.15, 0.15), 0};
   const std::array trunk = {LimbPoint{{0, 0, 0}, radius_m * 1.5F, radius_m * 1.5F},
                             LimbPoint{{0, 0, 0.25F}, radius_m * 1.05F, radius_m * 1.05F},
@@ -147,13 +147,13 @@ Mesh tree(FlyRandom& random, float contrast) {
                             LimbPoint{lean + Vec3{0, 0, fork_m + 1.5F}, radius_m * 0.4F, radius_m * 0.4F}};
   Mesh mesh = limb(trunk, {1, 0, 0}, bark);
 
-  const Vec3 half{between(random, 1.2, 2.0), between(random, 1.2, 2.0), 0.5F * (height_m - fork_m)};
+  const Vec3 half{sizes.crown_m.draw(random), sizes.crown_m.draw(random), 0.5F * (height_m - fork_m)};
   const Vec3 centre = lean + Vec3{0, 0, fork_m + half.z * 0.95F};
   Material leaf{Pattern::speckle, {0.06F, 0.15F, 0.03F}, {}, contrast, 0.12F, 0.0F, random.bits()};
   Material inner = leaf;
   inner.colour = leaf.colour * 0.4F;
-  constexpr int kTufts = 22, kLeavesPerTuft = 130;
-  for (int i = 0; i < kTufts; ++i) {
+  constexpr int kLeavesPerTuft = 130;
+  for (int i = 0; i < sizes.tufts; ++i) {
     // Tufts sit on a wobbly shell and fill it; each is a dark core hidden in leaves.
     const float polar_z = between(random, -0.85, 1.0), angle = between(random, 0.0, 2.0 * kPi);
     const float ring = std::sqrt(std::max(0.0F, 1.0F - polar_z * polar_z)), out = between(random, 0.45, 0.85);

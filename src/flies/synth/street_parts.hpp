@@ -19,8 +19,21 @@ Mesh sign_post(FlyRandom& random);
 /// Knee-high to waist-high bollard.
 Mesh bollard(FlyRandom& random);
 
-/// Tree 5 to 9 m tall: trunk, boughs and a crown of leaf tufts.
-Mesh tree(FlyRandom& random, float texture_contrast);
+/// From where to where a size is drawn, metres.
+struct Sizes {
+  double low, high;
+  float draw(FlyRandom& random) const { return static_cast<float>(random.uniform(low, high)); }
+};
+/// Of a tree; as it stands, one of a street.
+struct TreeSizes {
+  Sizes height_m{5.0, 9.0};
+  Sizes fork_m{2.0, 2.8};     ///< where the crown begins
+  Sizes radius_m{0.11, 0.2};  ///< of the trunk
+  Sizes crown_m{1.2, 2.0};    ///< half width of the crown
+  int tufts = 22;             ///< of leaves
+};
+/// Tree of trunk, boughs and a crown of leaf tufts.
+Mesh tree(FlyRandom& random, float texture_contrast, const TreeSizes& sizes = {});
 
 /// Clipped hedge along +x, face at y = 0.
 Mesh hedge(FlyRandom& random, float length_m, float height_m, float texture_contrast);

@@ -19,10 +19,15 @@ const char* kitti_type(ObjectClass kind) {
     case ObjectClass::wall:
     case ObjectClass::ground:
     case ObjectClass::backdrop:
+    case ObjectClass::shelf:
+    case ObjectClass::kerb:
       return "DontCare";
     case ObjectClass::hedge:
     case ObjectClass::pole:
     case ObjectClass::tree:
+    case ObjectClass::box:
+    case ObjectClass::furniture:
+    case ObjectClass::pallet:
       return "Misc";
   }
   return "Misc";

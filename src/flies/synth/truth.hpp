@@ -45,9 +45,9 @@ struct TruthObject {
 
 /// One line per object in the format of KITTI's label_2, nearest first. Positions are in the coordinates of the left
 /// camera (x right, y down, z along its axis), at the middle of the footprint. Pedestrians and cars have their own
-/// type; poles, trees and hedges are `Misc`; house fronts and walls are `DontCare` regions, for KITTI does not label
-/// buildings. Objects of which not one pixel is seen are left out. Occluded is 0 below 15 % hidden, 1 below 50 %,
-/// else 2.
+/// type; poles, trees, hedges, boxes, furniture and pallets are `Misc`; house fronts, walls, shelves and kerbs are
+/// `DontCare` regions, for KITTI does not label buildings. Objects of which not one pixel is seen are left out.
+/// Occluded is 0 below 15 % hidden, 1 below 50 %, else 2.
 std::string kitti_labels(const std::vector<TruthObject>& objects, const StereoCamera& camera);
 
 /// Where the vehicle frame stands on the ground, in its own frame of an earlier time.
