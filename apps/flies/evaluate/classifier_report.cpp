@@ -199,9 +199,8 @@ std::string classifier_html(std::span<const ClassifierResult> results, const Cla
       "share of people missed over false positives a window.</figcaption></figure>\n",
       flies::html_image(classifier_curves(results)));
   html += fmt::format(
-      "<figure><img src=\"{}\" alt=\"share of people over probability\"><figcaption>Reliability: share of windows with "
-      "a "
-      "person over their probability, as if one window in ten showed a person.</figcaption></figure>\n",
+      "<figure><img src=\"{}\" alt=\"share of people over probability\"><figcaption>Reliability: share of people among "
+      "windows over their probability, as if one window in ten showed a person.</figcaption></figure>\n",
       flies::html_image(reliability_curves(results)));
   for (const auto& result : results)
     html += fmt::format(

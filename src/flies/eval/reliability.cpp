@@ -23,18 +23,17 @@ Reliability reliability(const WindowScores& scores) {
     result.bins.push_back({static_cast<double>(i) / kBins, static_cast<double>(i + 1) / kBins, 0, 0, 0.0, 0.0});
   std::vector<double> people_sums(kBins, 0.0), other_sums(kBins, 0.0);  // of probabilities
   std::size_t people = 0, others = 0;
-  for (const auto& set : scores.positives)
-    for (const double score : set.scores) {
-      const double probability = probability_of(score);
-      ++people, ++result.bins[bin_of(probability)].people;
-      people_sums[bin_of(probability)] += probability;
+  const auto add = [&](const std::vector<double>& log_odds, std::size_t ReliabilityBin::*count,
+                       std::vector<double>& sums) {
+    for (const double value : log_odds) {
+      const double probability = probability_of(value);
+      ++(result.bins[bin_of(probability)].*count);
+      sums[bin_of(probability)] += probability;
     }
-  for (const auto& picture : scores.negatives)
-    for (const double score : picture) {
-      const double probability = probability_of(score);
-      ++others, ++result.bins[bin_of(probability)].others;
-      other_sums[bin_of(probability)] += probability;
-    }
+    return log_odds.size();
+  };
+  for (const auto& set : scores.positives) people += add(set.scores, &ReliabilityBin::people, people_sums);
+  for (const auto& picture : scores.negatives) others += add(picture, &ReliabilityBin::others, other_sums);
   assert(people > 0 && others > 0);
   const double person_weight = kReliabilityPeople / static_cast<double>(people);
   const double other_weight = (1.0 - kReliabilityPeople) / static_cast<double>(others);
