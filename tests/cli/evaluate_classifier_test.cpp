@@ -47,12 +47,14 @@ TEST_F(EvaluateClassifier, PrintsModelsSideBySideAndBySet) {
   const RunResult result = run({"--plot", "det.png", "--html", "report.html"});
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(result.err, "");
-  for (const char* word : {"data: 6 windows with people, 50 without from 1 pictures", "opencv-48x96", "opencv-64x128",
-                           "all sets, 6 people", "near, 3 people", "at 0.0001 a window", "microseconds"})
+  for (const char* word :
+       {"data: 6 windows with people, 50 without from 1 pictures", "opencv-48x96", "opencv-64x128",
+        "all sets, 6 people", "near, 3 people", "at 0.0001 a window", "calibration error", "microseconds"})
     EXPECT_THAT(result.out, HasSubstr(word));
   EXPECT_FALSE(cv::imread((folder.path() / "det.png").string()).empty());
   const std::string html = read_text(folder.path() / "report.html");
-  for (const char* word : {"<!DOCTYPE html>", "data:image/png;base64", "opencv-64x128", "</html>"})
+  for (const char* word :
+       {"<!DOCTYPE html>", "data:image/png;base64", "opencv-64x128", "share of people over probability", "</html>"})
     EXPECT_THAT(html, HasSubstr(word));
 }
 
@@ -69,6 +71,13 @@ TEST_F(EvaluateClassifier, WritesTheDocumentedJson) {
   EXPECT_TRUE(rates.at(0).at("set").is_null());
   EXPECT_EQ(rates.at(3).at("set"), "far");
   EXPECT_EQ(rates.at(2).at("false_positives_per_window"), 0.01);
+  const json& model = report.at("models").at(1);
+  EXPECT_GE(model.at("calibration_error"), 0.0);
+  EXPECT_LE(model.at("calibration_error"), 1.0);
+  std::size_t windows = 0;
+  for (const json& bin : model.at("reliability"))
+    windows += bin.at("people").get<std::size_t>() + bin.at("others").get<std::size_t>();
+  EXPECT_EQ(windows, 56U);
   for (const char* key : {"detection_rate", "low", "high", "threshold"}) EXPECT_TRUE(rates.at(0).at(key).is_number());
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -32,6 +33,13 @@ void write_film(const fs::path& path, const cv::Mat& picture, int frames) {
   cv::Mat color;
   cv::cvtColor(picture, color, cv::COLOR_GRAY2BGR);
   for (int i = 0; i < frames; ++i) writer.write(color);
+}
+
+std::vector<cv::Mat> pictures_of(const fs::path& film) {
+  std::vector<cv::Mat> pictures;
+  cv::VideoCapture capture(film.string());
+  for (cv::Mat picture; capture.read(picture);) pictures.push_back(picture.clone());
+  return pictures;
 }
 
 /// A camera that stands before a street, as films and as folders.
@@ -174,16 +182,47 @@ TEST_F(LiveCommand, FaultsOfRecordingsAreTold) {
 }
 
 TEST_F(LiveCommand, InterruptEndsCleanly) {
-  for (const char* signal : {"INT", "TERM"}) {
-    const RunResult result = run({"beside.avi", "--calib", "calib.txt", "--loop", "--json", "out.jsonl"},
-                                 std::string("timeout --preserve-status -s ") + signal + " 3");
+  for (const int signal : {SIGINT, SIGTERM}) {
+    fs::remove(folder.path() / "out.jsonl");
+    fs::remove(folder.path() / "out.mp4");
+    const RunResult result =
+        interrupt_flies(folder.path(),
+                        {"live", "beside.avi", "--calib", "calib.txt", "--loop", "--json", "out.jsonl", "--video",
+                         "out.mp4", "--camera-height", "1.65", "--camera-pitch", "0"},
+                        signal, [&] { return are_written(folder.path(), "out.jsonl", 2); });
     EXPECT_EQ(result.status, 0) << result.err;
     EXPECT_THAT(result.err, HasSubstr("pairs, "));
     const std::string text = read_text(folder.path() / "out.jsonl");
     ASSERT_FALSE(text.empty());
     EXPECT_EQ(text.back(), '\n');
     for (const auto& line : lines(text)) EXPECT_TRUE(json::accept(line));
+    EXPECT_GE(pictures_of(folder.path() / "out.mp4").size(), 1u);
   }
+}
+
+TEST_F(LiveCommand, FilmTakesAsLongAsTheSource) {
+  const RunResult result = run({"beside.avi", "--calib", "calib.txt", "--every-pair", "--video", "out.mp4"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  // From the first pair to the last 7/20 s, each picture kept until the next: 10.5 of 30 a second, and the last one.
+  const auto film = pictures_of(folder.path() / "out.mp4");
+  EXPECT_NEAR(static_cast<double>(film.size()), (kFrames - 1) / 20.0 * 30.0 + 1.0, 0.5);
+  // The left picture is in it, with the view from above beside it.
+  const cv::Mat& left = street_pair().left;
+  ASSERT_FALSE(film.empty());
+  EXPECT_GT(film.back().cols, left.cols);
+  EXPECT_GE(film.back().rows, left.rows);
+  EXPECT_GT(cv::norm(film.front(), cv::NORM_INF), 128.0);
+}
+
+TEST_F(LiveCommand, FilmThatCannotBeIsRefusedBeforeTheRun) {
+  const auto before = folder.listing();
+  const RunResult kind = run({"beside.avi", "--calib", "calib.txt", "--video", "out.avi"});
+  EXPECT_EQ(kind.status, 2);
+  EXPECT_THAT(kind.err, HasSubstr("out.avi"));
+  const RunResult place = run({"beside.avi", "--calib", "calib.txt", "--video", "no/out.mp4"});
+  EXPECT_EQ(place.status, 2);
+  EXPECT_THAT(place.err, HasSubstr("no/out.mp4: cannot be written"));
+  EXPECT_EQ(folder.listing(), before);
 }
 
 TEST_F(LiveCommand, PrintsATableWithoutOutputs) {

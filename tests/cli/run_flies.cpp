@@ -1,12 +1,18 @@
 #include "run_flies.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 namespace fs = std::filesystem;
 
@@ -29,6 +35,24 @@ fs::path new_folder(const std::string& purpose) {
   return name;
 }
 
+/// Starts the command with its streams in files of `log`. @returns its process
+pid_t start_flies(const fs::path& folder, const std::vector<std::string>& arguments, const fs::path& log) {
+  const fs::path out = log / "out", err = log / "err";
+  std::vector<std::string> words = arguments;
+  words.insert(words.begin(), "flies");
+  std::vector<char*> pointers;
+  for (auto& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  const pid_t process = ::fork();
+  if (process != 0) return process;
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+  const int flags = O_WRONLY | O_CREAT;
+  if (::dup2(::open("/dev/null", O_RDONLY), 0) == 0 && ::dup2(::open(out.c_str(), flags, 0600), 1) == 1 &&
+      ::dup2(::open(err.c_str(), flags, 0600), 2) == 2 && ::chdir(folder.c_str()) == 0)
+    ::execv(FLIES_BINARY, pointers.data());
+  ::_exit(127);
+}
+
 }  // namespace
 
 RunResult run_flies(const fs::path& folder, const std::vector<std::string>& arguments, const std::string& prefix,
@@ -44,6 +68,32 @@ RunResult run_flies(const fs::path& folder, const std::vector<std::string>& argu
                    read_text(log / "err")};
   fs::remove_all(log);
   return result;
+}
+
+RunResult interrupt_flies(const fs::path& folder, const std::vector<std::string>& arguments, int signal,
+                          const std::function<bool()>& is_time) {
+  constexpr std::chrono::minutes kPatience{1};
+  constexpr std::chrono::milliseconds kPause{5};
+  const fs::path log = new_folder("log");
+  const pid_t process = start_flies(folder, arguments, log);
+  if (process < 0) throw std::runtime_error("cannot start a process for the test");
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  while (!is_time() && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(kPause);
+  EXPECT_TRUE(is_time()) << read_text(log / "err");
+  EXPECT_EQ(::kill(process, signal), 0);
+  int status = 0;
+  EXPECT_EQ(::waitpid(process, &status, 0), process);
+  RunResult result{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(log / "out"),
+                   read_text(log / "err")};
+  fs::remove_all(log);
+  return result;
+}
+
+bool are_written(const fs::path& folder, const std::string& name, std::size_t count) {
+  return std::ranges::any_of(fs::directory_iterator(folder), [&](const fs::directory_entry& entry) {
+    return entry.path().filename().string().starts_with(name) &&
+           static_cast<std::size_t>(std::ranges::count(read_text(entry.path()), '\n')) >= count;
+  });
 }
 
 std::string read_text(const fs::path& path) {

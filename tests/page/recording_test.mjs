@@ -1,7 +1,7 @@
 // recording_test.mjs FLIES WORK: recordings and the WebSocket server, read by the formats' own packages. Status 77: skipped.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
-import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { open } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { join } from "node:path";
@@ -199,7 +199,8 @@ function streamed(path) {
 // ---- a killed writer leaves whole chunks
 {
   const child = spawn(flies, [...source, "--loop", "--record", "killed.mcap", "--json", "killed.jsonl"], { cwd: work });
-  await new Promise((resolve) => setTimeout(resolve, 5000));
+  const lines = () => existsSync(join(work, "killed.jsonl")) ? readFileSync(join(work, "killed.jsonl"), "utf8").split("\n").length - 1 : 0;
+  for (let i = 0; i < 600 && lines() < 40 && child.exitCode === null; ++i) await new Promise((resolve) => setTimeout(resolve, 100));
   child.kill("SIGKILL");
   await new Promise((resolve) => child.on("exit", resolve));
   const messages = streamed(join(work, "killed.mcap"));

@@ -81,6 +81,28 @@ flies::ScorePlot score_plot(const ClassifierResult& result) {
   return plot;
 }
 
+Json reliability_json(const flies::Reliability& reliability) {
+  Json bins = Json::array();
+  for (const auto& bin : reliability.bins)
+    bins.push_back({{"from", rounded(bin.from)},
+                    {"to", rounded(bin.to)},
+                    {"people", bin.people},
+                    {"others", bin.others},
+                    {"mean_probability", rounded(bin.mean_probability)},
+                    {"people_share", rounded(bin.people_share)}});
+  return bins;
+}
+
+cv::Mat reliability_curves(std::span<const ClassifierResult> results) {
+  std::vector<flies::ReliabilityCurve> curves;
+  for (const auto& result : results) {
+    curves.push_back({result.model, {}});
+    for (const auto& bin : result.reliability.bins)
+      if (bin.people + bin.others > 0) curves.back().points.emplace_back(bin.mean_probability, bin.people_share);
+  }
+  return flies::draw_reliability(curves);
+}
+
 std::string html_table(std::span<const ClassifierResult> results) {
   std::string html = "<div class=\"scroll\"><table>\n<tr><th></th>";
   for (const auto& result : results) html += fmt::format("<th>{}</th>", flies::html_text(result.model));
@@ -95,7 +117,9 @@ std::string html_table(std::span<const ClassifierResult> results) {
         for (const auto& result : results) html += fmt::format("<td>{}</td>", percent(result.rates[i]));
         html += "</tr>\n";
       });
-  html += "<tr><td>time, microseconds a window</td>";
+  html += "<tr><td>calibration error</td>";
+  for (const auto& result : results) html += fmt::format("<td>{:.4f}</td>", result.reliability.calibration_error);
+  html += "</tr>\n<tr><td>time, microseconds a window</td>";
   for (const auto& result : results) html += fmt::format("<td>{:.0f}</td>", result.us_per_window);
   return html + "</tr>\n</table></div>\n";
 }
@@ -114,10 +138,14 @@ std::string classifier_table(std::span<const ClassifierResult> results, const Cl
         for (const auto& result : results) line += fmt::format(" {:<{}}", percent(result.rates[i]), kColumnWidth);
         text += trimmed(line);
       });
-  std::string times = fmt::format("{:<{}}", "time, microseconds a window", kLabelWidth);
-  for (const auto& result : results)
-    times += fmt::format(" {:<{}}", fmt::format("{:.0f}", result.us_per_window), kColumnWidth);
-  return text + trimmed(times);
+  const auto add = [&](const char* label, const auto& number) {
+    std::string line = fmt::format("{:<{}}", label, kLabelWidth);
+    for (const auto& result : results) line += fmt::format(" {:<{}}", number(result), kColumnWidth);
+    text += trimmed(line);
+  };
+  add("calibration error", [](const auto& r) { return fmt::format("{:.4f}", r.reliability.calibration_error); });
+  add("time, microseconds a window", [](const auto& r) { return fmt::format("{:.0f}", r.us_per_window); });
+  return text;
 }
 
 std::string classifier_json(std::span<const ClassifierResult> results, const ClassifierContext& context) {
@@ -143,8 +171,11 @@ std::string classifier_json(std::span<const ClassifierResult> results, const Cla
       }
       rates.push_back(std::move(entry));
     }
-    json["models"].push_back(
-        {{"model", result.model}, {"us_per_window", rounded(result.us_per_window)}, {"rates", rates}});
+    json["models"].push_back({{"model", result.model},
+                              {"us_per_window", rounded(result.us_per_window)},
+                              {"rates", rates},
+                              {"calibration_error", rounded(result.reliability.calibration_error)},
+                              {"reliability", reliability_json(result.reliability)}});
   }
   constexpr int kIndent = 2;
   return json.dump(kIndent, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -167,6 +198,10 @@ std::string classifier_html(std::span<const ClassifierResult> results, const Cla
       "<figure><img src=\"{}\" alt=\"miss rate over false positives a window\"><figcaption>Detection error trade-off: "
       "share of people missed over false positives a window.</figcaption></figure>\n",
       flies::html_image(classifier_curves(results)));
+  html += fmt::format(
+      "<figure><img src=\"{}\" alt=\"share of people over probability\"><figcaption>Reliability: share of people among "
+      "windows over their probability, as if one window in ten showed a person.</figcaption></figure>\n",
+      flies::html_image(reliability_curves(results)));
   for (const auto& result : results)
     html += fmt::format(
         "<figure><img src=\"{}\" alt=\"histogram of scores\"><figcaption>Scores of windows with and without people, "

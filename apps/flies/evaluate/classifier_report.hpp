@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "flies/eval/estimate.hpp"
+#include "flies/eval/reliability.hpp"
 #include "flies/eval/window_data.hpp"
 #include "flies/eval/window_rates.hpp"
 
@@ -13,7 +14,8 @@ struct ClassifierResult {
   std::string model;  ///< as it was named
   flies::WindowScores scores;
   std::vector<flies::DetectionRate> rates;  ///< of all sets, then by set
-  double us_per_window = 0.0;               ///< wall-clock time in microseconds
+  flies::Reliability reliability;
+  double us_per_window = 0.0;  ///< wall-clock time in microseconds
 };
 
 /// What was looked at, beside the numbers.
@@ -30,7 +32,7 @@ std::string classifier_table(std::span<const ClassifierResult> results, const Cl
 /// Everything as one JSON object, see docs/evaluation.md.
 std::string classifier_json(std::span<const ClassifierResult> results, const ClassifierContext& context);
 
-/// The table, the DET curves and the score histograms as one self-contained page.
+/// The table, DET and reliability curves, and the score histograms as one self-contained page.
 std::string classifier_html(std::span<const ClassifierResult> results, const ClassifierContext& context);
 
 /// The DET curves of all models, CV_8UC3.

@@ -79,7 +79,7 @@ void run_evaluate_classifier(const ClassifierArguments& arguments) {
   std::vector<std::shared_ptr<const flies::PeopleClassifier>> models;
   for (const auto& name : arguments.models) {
     models.push_back(flies::people_classifier(name));
-    results.push_back({name, {}, {}, 0.0});
+    results.push_back({name, {}, {}, {}, 0.0});
   }
   const flies::WindowData data = flies::open_window_data(arguments.data);
   // Opened first, so that a place that cannot be written shows before the work.
@@ -101,6 +101,7 @@ void run_evaluate_classifier(const ClassifierArguments& arguments) {
     for (const auto& picture : scores[i].negatives) windows += picture.size();
     results[i].us_per_window = 1000.0 * times_ms[i] / static_cast<double>(windows);
     results[i].rates = flies::detection_rates(scores[i], kFalsePositives, context.estimate);
+    results[i].reliability = flies::reliability(scores[i]);
     results[i].scores = std::move(scores[i]);
   }
   if (json) json->write(classifier_json(results, context));
@@ -132,7 +133,7 @@ void setup_evaluate_classifier(CLI::App& app) {
   command->add_option("--json", arguments->json, "all numbers as JSON; - is standard output, without the table")
       ->type_name("FILE")
       ->group("Output");
-  command->add_option("--html", arguments->html, "table, DET curves and score histograms as one page")
+  command->add_option("--html", arguments->html, "table, DET and reliability curves and score histograms as one page")
       ->type_name("FILE")
       ->group("Output");
   command->add_option("--plot", arguments->plot, "the DET curves as PNG")->type_name("FILE")->group("Output");

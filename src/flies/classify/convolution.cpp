@@ -1,6 +1,5 @@
 #include "flies/classify/convolution.hpp"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -180,9 +179,10 @@ double ConvolutionMachine::score(std::span<const float> input, Memory& memory) c
 
 std::vector<double> ConvolutionMachine::scores(const GrayView& image, std::span<const ImageBox> windows) const {
   std::vector<double> scores(windows.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, windows.size()), [&](const auto& some) {
+  constexpr std::size_t kAtOnce = 8;  // share their memory
+  tbb::parallel_for(std::size_t{0}, (windows.size() + kAtOnce - 1) / kAtOnce, [&](std::size_t part) {
     Memory memory(layers_);
-    for (std::size_t i = some.begin(); i < some.end(); ++i)
+    for (std::size_t i = part * kAtOnce; i < std::min((part + 1) * kAtOnce, windows.size()); ++i)
       scores[i] = score(convolution_input(image, windows[i]), memory);
   });
   return scores;

@@ -44,7 +44,9 @@ struct Axis {
 };
 
 Axis across(double low, double high, bool is_logarithmic) { return {low, high, kAxes.x, kAxes.br().x, is_logarithmic}; }
-Axis upwards(double low, double high) { return {low, high, kAxes.br().y, kAxes.y, true}; }
+Axis upwards(double low, double high, bool is_logarithmic) {
+  return {low, high, kAxes.br().y, kAxes.y, is_logarithmic};
+}
 
 std::vector<double> linear_ticks(double low, double high) {
   const double rough = (high - low) / 8.0, magnitude = std::pow(10.0, std::floor(std::log10(rough)));
@@ -70,12 +72,16 @@ std::vector<double> logarithmic_ticks(double low, double high) {
   return ticks;
 }
 
+std::vector<double> ticks_of(const Axis& axis) {
+  return axis.is_logarithmic ? logarithmic_ticks(axis.low, axis.high) : linear_ticks(axis.low, axis.high);
+}
+
 void put_frame(cv::Mat& canvas, const Axis& u, const Axis& v, const std::string& u_label, const std::string& v_label) {
-  for (const double value : u.is_logarithmic ? logarithmic_ticks(u.low, u.high) : linear_ticks(u.low, u.high)) {
+  for (const double value : ticks_of(u)) {
     cv::line(canvas, {u.at(value), kAxes.y}, {u.at(value), kAxes.br().y + 4}, kGridLine);
     put_centred_text(canvas, short_number(value), {u.at(value), kAxes.br().y + 18}, kInk);
   }
-  for (const double value : logarithmic_ticks(v.low, v.high)) {
+  for (const double value : ticks_of(v)) {
     cv::line(canvas, {kAxes.x - 4, v.at(value)}, {kAxes.br().x, v.at(value)}, kGridLine);
     const std::string number = short_number(value);
     put_text(canvas, number, {kAxes.x - 8 - text_size(number).width, v.at(value) + 4}, kInk);
@@ -142,7 +148,7 @@ cv::Mat draw_error_curves(std::span<const ErrorCurve> curves, const ErrorAxes& a
   assert(axes.min_miss_rate > 0.0 && axes.min_miss_rate < axes.max_miss_rate);
   cv::Mat canvas(kHeight_px, kWidth_px, CV_8UC3, kWhite);
   const Axis u = across(axes.min_false_positives, axes.max_false_positives, true);
-  const Axis v = upwards(axes.min_miss_rate, axes.max_miss_rate);
+  const Axis v = upwards(axes.min_miss_rate, axes.max_miss_rate, true);
   put_frame(canvas, u, v, axes.false_positives_label, axes.miss_rate_label);
   for (std::size_t i = 0; i < curves.size(); ++i) put_curve(canvas, u, v, curves[i], curve_color(i));
   // Good curves leave the lower left corner last, so the keys stand there.
@@ -153,13 +159,30 @@ cv::Mat draw_error_curves(std::span<const ErrorCurve> curves, const ErrorAxes& a
   return canvas;
 }
 
+cv::Mat draw_reliability(std::span<const ReliabilityCurve> curves) {
+  cv::Mat canvas(kHeight_px, kWidth_px, CV_8UC3, kWhite);
+  const Axis u = across(0.0, 1.0, false), v = upwards(0.0, 1.0, false);
+  put_frame(canvas, u, v, "probability", "share of people");
+  cv::line(canvas, {u.at(0.0), v.at(0.0)}, {u.at(1.0), v.at(1.0)}, kGray, 1, cv::LINE_AA);
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    std::vector<cv::Point> line;
+    for (const auto& [probability, share] : curves[i].points)
+      if (std::isfinite(probability) && std::isfinite(share)) line.push_back({u.at(probability), v.at(share)});
+    cv::polylines(canvas, line, false, curve_color(i), 2, cv::LINE_AA);
+    for (const cv::Point& point : line) cv::circle(canvas, point, 4, curve_color(i), cv::FILLED, cv::LINE_AA);
+    const int rows_below = static_cast<int>(curves.size() - 1 - i);
+    put_key(canvas, {kAxes.br().x - 250, kAxes.br().y - 12 - rows_below * kKeyRow_px}, curves[i].title, curve_color(i));
+  }
+  return canvas;
+}
+
 cv::Mat draw_score_histograms(const ScorePlot& plot) {
   constexpr std::size_t kIntervals = 80;
   constexpr double kLeastShare = 1e-5;
   const auto span = finite_span(plot);
   const double low = span.first, high = span.second;
   cv::Mat canvas(kHeight_px, kWidth_px, CV_8UC3, kWhite);
-  const Axis u = across(low, high, false), v = upwards(kLeastShare, 1.0);
+  const Axis u = across(low, high, false), v = upwards(kLeastShare, 1.0, true);
   put_frame(canvas, u, v, "score", "share of windows");
   put_text(canvas, plot.title, {14, 24}, kInk, kTitleText);
   const auto put_outline = [&](const std::vector<double>& values, const cv::Scalar& color) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// Plots of how good a classifier is. Each function returns a new image, CV_8UC3 in BGR order; values that are not
@@ -34,6 +35,15 @@ struct ErrorAxes {
 /// DET curves over each other, as steps: between two points nothing better was seen than the first of them. A miss rate
 /// below the axis, 0 above all, runs along its lower edge.
 cv::Mat draw_error_curves(std::span<const ErrorCurve> curves, const ErrorAxes& axes = {});
+
+/// What one classifier's probabilities are worth.
+struct ReliabilityCurve {
+  std::string title;
+  std::vector<std::pair<double, double>> points;  ///< mean probability and share of people, 0..1; rising probability
+};
+
+/// Share of people over probability, both 0 to 1, beside the diagonal, which a calibrated classifier follows.
+cv::Mat draw_reliability(std::span<const ReliabilityCurve> curves);
 
 /// Scores of windows with and without a person.
 struct ScorePlot {

@@ -57,6 +57,17 @@ TEST(DrawErrorCurves, LeavesOutWhatIsNotFinite) {
   EXPECT_EQ(cv::norm(draw_error_curves({&bad, 1}), draw_error_curves({&none, 1}), cv::NORM_INF), 0.0);
 }
 
+TEST(DrawReliability, DrawsALargerShareHigher) {
+  const cv::Mat empty = draw_reliability({});
+  const auto rows_of = [&](double share) {
+    const ReliabilityCurve curve{"", {{0.2, share}, {0.4, share}}};
+    return changed_rows(draw_reliability({&curve, 1}), empty);
+  };
+  EXPECT_LT(rows_of(0.9).start, rows_of(0.6).start);
+  const ReliabilityCurve bad{"", {{kNaN, 0.5}}}, none;
+  EXPECT_EQ(cv::norm(draw_reliability({&bad, 1}), draw_reliability({&none, 1}), cv::NORM_INF), 0.0);
+}
+
 TEST(DrawScoreHistograms, ShowsFewPositivesBesideManyNegatives) {
   ScorePlot plot{"", {1.0, 1.1, 1.2}, std::vector<double>(10000, -1.0), {}};
   const cv::Mat both = draw_score_histograms(plot);

@@ -129,7 +129,7 @@ cv::Mat draw_concentrating(const cv::Mat& left, const ConcentrateResult& result,
   put_sample(canvas, {276, middle});
   put_text(canvas, "sample point: fullest range of a view-angle", {286, middle + 4}, kWhite);
   cv::rectangle(canvas, cv::Rect(608, middle - 9, 9, 18), box_color, 1);
-  put_text(canvas, "looked at for a person, one box an obstacle", {624, middle + 4}, kWhite);
+  put_text(canvas, "looked at for a person, one box a place", {624, middle + 4}, kWhite);
   return canvas;
 }
 

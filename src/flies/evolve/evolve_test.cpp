@@ -155,7 +155,7 @@ TEST(Evolver, AllocatesNothingOnceItHasSeenAPair) {
   Evolver evolver;
   tbb::task_arena(1).execute([&] {
     evolver.evolve(wall.pair(), projection, {}, {}, {}, small_options(), {1, 0});
-    const auto before = testing::allocations;
+    const std::size_t before = testing::allocations;
     evolver.evolve(wall.pair(), projection, {}, {}, {}, small_options(), {1, 1});
     EXPECT_EQ(testing::allocations, before);
   });

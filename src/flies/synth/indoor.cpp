@@ -1,6 +1,7 @@
 #include <array>
 #include <numbers>
 
+#include "flies/synth/chance.hpp"
 #include "flies/synth/places.hpp"
 #include "flies/synth/placing.hpp"
 #include "flies/synth/street.hpp"
@@ -12,8 +13,6 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kBehind_m = -3.0F;  // floors and walls begin behind the camera
-
-float between(FlyRandom& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
 
 Mesh floor_of(FlyRandom& random, float end_m, float half_width_m, float contrast, bool is_store) {
   Material material = wood(random, contrast);

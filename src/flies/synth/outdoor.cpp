@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "flies/synth/chance.hpp"
 #include "flies/synth/places.hpp"
 #include "flies/synth/placing.hpp"
 #include "flies/synth/street.hpp"
@@ -11,8 +12,6 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kBehind_m = -5.0F;
-
-float between(FlyRandom& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
 
 Mesh ground_strip(float x1, float y0, float y1, float z, const Material& material) {
   return quad({kBehind_m, y0, z}, {x1 - kBehind_m, 0, 0}, {0, y1 - y0, 0}, material);

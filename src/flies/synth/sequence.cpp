@@ -8,6 +8,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/synth/bicycle.hpp"
+#include "flies/synth/chance.hpp"
 #include "flies/synth/street.hpp"
 #include "flies/synth/vehicle.hpp"
 
@@ -22,8 +23,6 @@ constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kOurSpeed_mps = 7.0F, kLeader_m = 19.0F, kCrossing_m = 26.0F;
 constexpr float kCrossingSpeed_mps = 1.4F, kSteppingOut_s = 1.0F;
 constexpr float kOncoming_m = 52.0F, kOncomingLane_m = 3.3F;
-
-float between(FlyRandom& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
 
 /// A stream of its own for everybody and everything that moves.
 FlyRandom mover_random(const SceneOptions& options, std::uint32_t mover) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <numbers>
 
+#include "flies/synth/chance.hpp"
 #include "flies/synth/person.hpp"
 #include "flies/synth/street_parts.hpp"
 #include "flies/synth/taken.hpp"
@@ -19,8 +20,6 @@ constexpr float kStart_m = -10.0F, kEnd_m = 130.0F;
 constexpr float kCentreLine_m = 1.65F, kOurEdge_m = -1.65F, kOncomingEdge_m = 4.95F;
 constexpr float kHousesRight_m = -7.2F, kHousesLeft_m = 10.6F;
 constexpr float kParkedRight_m = -2.75F, kParkedLeft_m = 6.05F;
-
-float between(FlyRandom& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
 
 /// Height of the ground of the street at y.
 float ground_z_m(float y) { return y < kKerbRight_m || y > kKerbLeft_m ? kKerbHeight_m : 0.0F; }

@@ -3,6 +3,7 @@
 #include <array>
 #include <numbers>
 
+#include "flies/synth/chance.hpp"
 #include "flies/synth/noise.hpp"
 
 namespace flies::synth {
@@ -18,8 +19,6 @@ constexpr std::array<Vec3, 7> kWallColours = {{{0.62F, 0.56F, 0.44F},
                                                {0.50F, 0.36F, 0.30F},
                                                {0.38F, 0.42F, 0.36F}}};
 constexpr std::array<Vec3, 3> kBrickColours = {{{0.30F, 0.11F, 0.07F}, {0.36F, 0.19F, 0.11F}, {0.24F, 0.13F, 0.10F}}};
-
-float between(FlyRandom& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
 
 Material wall_material(FlyRandom& random, float contrast) {
   if (random.uniform() < 0.4)

@@ -2,10 +2,10 @@
 
 #include <array>
 
+#include "flies/synth/chance.hpp"
+
 namespace flies::synth {
 namespace {
-
-float between(FlyRandom& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
 
 Material plain(FlyRandom& random, const Vec3& colour, float gloss = 0.0F) {
   return {Pattern::plain, colour, {}, 1.0F, 0.1F, gloss, random.bits()};
