@@ -233,7 +233,7 @@ function streamed(path) {
   const client = new protocol.FoxgloveClient({
     ws: new WebSocket(address, [protocol.FoxgloveClient.SUPPORTED_SUBPROTOCOL]) });
   const channels = new Map(), bySubscription = new Map(), counts = new Map();
-  let enough;
+  let enough, newestTracks;
   const done = new Promise((resolve, reject) => {
     enough = resolve;
     client.on("error", reject);
@@ -253,6 +253,9 @@ function streamed(path) {
     checkMessage(channel.schemaName, message);
     assert.ok(timestamp > 1600000000n * 1000000000n);
     counts.set(channel.topic, (counts.get(channel.topic) ?? 0) + 1);
+    if (channel.topic === "/tracks") newestTracks = timestamp;
+    // Once all subscriptions are served: pictures wait for tracks, not tracks for pictures.
+    if (channel.topic === "/left" && counts.get("/left") > 3) assert.equal(newestTracks, timestamp);
     if (channel.topic === "/record" && counts.get("/record") >= 10) enough();
   });
   await done;

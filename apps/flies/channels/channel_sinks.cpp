@@ -1,5 +1,6 @@
 #include "channels/channel_sinks.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <vector>
 
@@ -21,6 +22,17 @@ std::vector<Described> described_channels() {
   return channels;
 }
 
+constexpr bool leaves_once(Channel channel) {
+  return std::ranges::count(kLeavingOrder, channel) == (channel == Channel::log ? 0 : 1);
+}
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < kChannels.size(); ++i)
+        if (!leaves_once(static_cast<Channel>(i))) return false;
+      return true;
+    }(),
+    "every channel of pairs leaves once");
+
 }  // namespace
 
 FoxgloveSink::FoxgloveSink(const std::string& address, int port)
@@ -28,9 +40,9 @@ FoxgloveSink::FoxgloveSink(const std::string& address, int port)
 
 void FoxgloveSink::take(const LiveFrame& frame) {
   const std::uint64_t time_ns = time_ns_of(frame);
-  for (std::size_t i = 0; i < kChannels.size(); ++i) {
-    const auto channel = static_cast<Channel>(i);
-    if (channel != Channel::log && server_.is_wanted(i)) server_.send(i, time_ns, channel_message(channel, frame));
+  for (const Channel channel : kLeavingOrder) {
+    const auto i = static_cast<std::size_t>(channel);
+    if (server_.is_wanted(i)) server_.send(i, time_ns, channel_message(channel, frame));
   }
 }
 

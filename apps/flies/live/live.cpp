@@ -161,7 +161,8 @@ class Outputs {
   }
   void add_foxglove(const std::string& address, int port) {
     foxglove_.emplace(address, port);
-    sinks_.push_back(&foxglove_queue_.emplace(*foxglove_, kMostForFoxglove));
+    // First of all: it has a thread of its own, and others write and encode before they hand back.
+    sinks_.insert(sinks_.begin(), &foxglove_queue_.emplace(*foxglove_, kMostForFoxglove));
     std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", address.c_str(), foxglove_->port());
   }
   void add_record(const std::string& path) {
