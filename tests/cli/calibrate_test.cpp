@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using Words = std::vector<std::string>;
@@ -114,6 +115,34 @@ TEST_F(Calibrate, TakesViewsWhileABoardIsHeldBeforeLivingCameras) {
   EXPECT_THAT(result.err, AllOf(HasSubstr("view 7 taken"), Not(HasSubstr("view 8"))));
   EXPECT_THAT(result.out, HasSubstr("baseline                0.08"));
   EXPECT_THAT(folder.listing(), Contains("rig.yml"));
+}
+
+TEST_F(Calibrate, TellsOnceThatImagesAreMosaics) {
+  write_street(folder.path());
+  fs::create_directory(folder.path() / "L");
+  fs::create_directory(folder.path() / "R");
+  constexpr double kRed = 0.6, kGreen = 0.8, kBlue = 1.0;
+  const auto write_mosaic = [&](const char* from, const char* to) {
+    cv::Mat image = cv::imread((folder.path() / from).string(), cv::IMREAD_GRAYSCALE);
+    for (int v = 0; v < image.rows; ++v)
+      for (int u = 0; u < image.cols; ++u) {
+        const double share = (u + v) % 2 == 1 ? kGreen : v % 2 == 0 ? kRed : kBlue;
+        image.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(share * image.at<std::uint8_t>(v, u));
+      }
+    cv::imwrite((folder.path() / to).string(), image);
+  };
+  for (const char* name : {"1.png", "2.png"}) {
+    write_mosaic("left.png", (std::string("L/") + name).c_str());
+    write_mosaic("right.png", (std::string("R/") + name).c_str());
+  }
+  const Words words = {"L", "R", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"};
+  const RunResult told = calibrate(words);
+  EXPECT_EQ(told.status, 2);
+  EXPECT_THAT(lines(told.err),
+              ElementsAre(HasSubstr("L/1.png: the images look like the raw mosaic"), HasSubstr("none of 2 pairs")));
+  Words with_pattern = words;
+  with_pattern.insert(with_pattern.end(), {"--bayer", "rggb"});
+  EXPECT_THAT(calibrate(with_pattern).err, Not(HasSubstr("mosaic")));
 }
 
 TEST_F(Calibrate, RefusesWhatCannotBe) {
