@@ -87,13 +87,14 @@ std::vector<std::string> complaints(const SideDifference& d) {
   std::vector<std::string> found;
   if (d.right_blind_share > kBlindShare) found.push_back(tell_blind(d.right_blind_share, "right", "left"));
   if (d.left_blind_share > kBlindShare) found.push_back(tell_blind(d.left_blind_share, "left", "right"));
+  if (!found.empty()) return found;  // which contrast and sharpness follow from
   const double dimmed = std::min(d.contrast, 1.0 / std::max(d.contrast, 1e-6));
   if (dimmed < kDimmed)
     found.push_back(
         fmt::format("the {} image has {:.2g} times the contrast of the other: are exposure and gain of "
                     "both cameras the same?",
                     d.contrast < 1.0 ? "right" : "left", dimmed));
-  if (!found.empty()) return found;  // which sharpness follows from
+  if (!found.empty()) return found;
   const double blurred = std::min(d.sharpness, 1.0 / std::max(d.sharpness, 1e-6));
   if (blurred < kBlurred)
     found.push_back(fmt::format(

@@ -21,10 +21,10 @@ constexpr double kNothingTextured = 0.1;
 constexpr int kMinPatches = 40;
 /// Good pairs of streets have 0.32 and more; wrong calibrations, rows 3 px apart and other frames less than 0.2.
 constexpr double kFewMatched = 0.2;
-/// Told; and so many that nothing else can be concluded. In good pairs 0.015 at most, one or two places.
+/// Told; and so many that nothing else can be concluded. In good pairs 0.027 at most, one or two places.
 constexpr double kSomeBeyond = 0.03, kManyBeyond = 0.15;
 constexpr int kMinSomeBeyond = 3, kMinBeyond = 8;
-/// Of the places found, those at infinity in one picture taken twice; 0.6 in good pairs of streets.
+/// Of the places found, those at infinity in one picture taken twice; streets show something nearer.
 constexpr double kFlat = 0.98;
 constexpr int kMinFlat = 30;
 /// A part of the image this large that is black or white is told, whatever the rest shows: 0.41 in good pairs.
