@@ -141,7 +141,8 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
   }
   if (std::max(d.dark_share, d.bright_share) > kMuchHidden)
     found.push_back(fmt::format("nothing can be seen in much of the image: {}", what_hides(d)));
-  for (auto& complaint : complaints(d.sides)) found.push_back(std::move(complaint));
+  else
+    for (auto& complaint : complaints(d.sides)) found.push_back(std::move(complaint));
   const double row_error_px = d.rows ? d.rows->typical_px() : 0.0;
   if (row_error_px >= kRowErrorMatters_px)
     found.push_back(fmt::format(

@@ -64,7 +64,7 @@ void check_baseline(const Calibration& calibration, const std::string& source) {
 
 /// Images that are as wide as the calibration's and lower were cut off, by rows: no range depends on which. As long as
 /// nobody says otherwise at the bottom, which leaves the principal point where it was; rows that are missing at the top
-/// look like a camera that looks up, which the road tells.
+/// look like a camera that looks down, which the road tells.
 bool was_cut_off(const CalibrationRequest& request, const Calibration& calibration, int width_px, int height_px) {
   return !calibration.rectifier && width_px == request.width_px && height_px > request.height_px &&
          height_px < 2 * request.height_px &&
@@ -76,7 +76,7 @@ void take_as_cut_off(const CalibrationRequest& request, Calibration& calibration
   calibration.notes.push_back(fmt::format(
       "the calibration is for {} x {} px, of which the images have the upper {} rows, it seems: if {} rows were cut "
       "off "
-      "at the top instead, the camera seems to look {:.1f} degrees up, which --mount auto finds from the road",
+      "at the top instead, the camera seems to look {:.1f} degrees down, which --mount auto finds from the road",
       request.width_px, height_px, request.height_px, rows, degrees(std::atan(rows / calibration.camera.fy_px))));
   calibration.camera.width_px = request.width_px;
   calibration.camera.height_px = request.height_px;

@@ -151,7 +151,7 @@ TEST(LoadCalibration, GoesOnWithImagesWhoseRowsWereCutOffAndSaysSo) {
     EXPECT_EQ(cut.camera.height_px, 320);
     EXPECT_EQ(cut.camera.cy_px, 172.854);
     EXPECT_THAT(cut.notes,
-                ::testing::Contains(::testing::AllOf(HasSubstr("the upper 320 rows"), HasSubstr("4.4 degrees up"))));
+                ::testing::Contains(::testing::AllOf(HasSubstr("the upper 320 rows"), HasSubstr("4.4 degrees down"))));
     request.height_px = 180;  // less than half: something else
     EXPECT_THAT(error_of([&] {
                   const auto calibration = load_calibration(file, request);
