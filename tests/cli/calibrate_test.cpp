@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using Words = std::vector<std::string>;
@@ -114,6 +115,35 @@ TEST_F(Calibrate, TakesViewsWhileABoardIsHeldBeforeLivingCameras) {
   EXPECT_THAT(result.err, AllOf(HasSubstr("view 7 taken"), Not(HasSubstr("view 8"))));
   EXPECT_THAT(result.out, HasSubstr("baseline                0.08"));
   EXPECT_THAT(folder.listing(), Contains("rig.yml"));
+}
+
+TEST_F(Calibrate, TellsOnceThatImagesAreMosaics) {
+  if (!fs::exists(kOpenCvPairs / "left01.jpg"))
+    GTEST_SKIP() << "Debian's opencv-doc is not here (scripts/install-deps --checks)";
+  constexpr double kRed = 0.6, kGreen = 0.9, kBlue = 1.0;
+  const auto write_mosaic = [&](const std::string& from, const std::string& to) {
+    cv::Mat image = cv::imread((kOpenCvPairs / from).string(), cv::IMREAD_GRAYSCALE);
+    for (int v = 0; v < image.rows; ++v)
+      for (int u = 0; u < image.cols; ++u) {
+        const double share = (u + v) % 2 == 1 ? kGreen : v % 2 == 0 ? kRed : kBlue;
+        image.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(share * image.at<std::uint8_t>(v, u));
+      }
+    cv::imwrite((folder.path() / to).string(), image);
+  };
+  fs::create_directory(folder.path() / "L");
+  fs::create_directory(folder.path() / "R");
+  for (const std::string number : {"01", "02"}) {
+    write_mosaic("left" + number + ".jpg", "L/" + number + ".png");
+    write_mosaic("right" + number + ".jpg", "R/" + number + ".png");
+  }
+  const Words words = {"L", "R", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"};
+  const RunResult told = calibrate(words);
+  EXPECT_EQ(told.status, 2);  // two views are too few
+  EXPECT_THAT(lines(told.err),
+              ElementsAre(HasSubstr("L/01.png: the images look like the raw mosaic"), HasSubstr("views")));
+  Words with_pattern = words;
+  with_pattern.insert(with_pattern.end(), {"--bayer", "rggb"});
+  EXPECT_THAT(calibrate(with_pattern).err, Not(HasSubstr("mosaic")));
 }
 
 TEST_F(Calibrate, RefusesWhatCannotBe) {

@@ -39,6 +39,7 @@ constexpr int kMinPatches = 40;  // below this the scene has too little texture 
 constexpr double kMinConsistent = 0.045;
 constexpr int kMinVotes = 12;
 constexpr double kSwappedShare = 0.75;
+constexpr double kPartnersOfSwapped = 0.3;  // good pairs of streets have 0.32 and more
 
 struct Reduced {
   int width_px = 0, height_px = 0;
@@ -166,9 +167,18 @@ void check_same_scene(const PairEvidence& evidence, const std::string& left_name
 void check_order(const PairEvidence& evidence, const std::string& left_name, const std::string& right_name) {
   const int votes = evidence.nearer + evidence.beyond;
   if (votes < kMinVotes || evidence.beyond < kSwappedShare * votes) return;
+  // Swapped images of one moment have partners for most of their places; of two moments while the camera turns, few.
+  const auto found = fmt::format("{} of {} places would lie beyond infinity", evidence.beyond, votes);
+  if (votes + evidence.distant < kPartnersOfSwapped * evidence.patches)
+    throw InputError(
+        left_name, "",
+        fmt::format("is hardly a pair with {}: only {} of {} places are found there, and {}: were they taken "
+                    "at different moments, or are left and right swapped?",
+                    right_name, votes + evidence.distant, evidence.patches, found));
   throw InputError(left_name, "",
-                   fmt::format("left and right seem to be swapped (with {}): {} of {} places would lie beyond infinity",
-                               right_name, evidence.beyond, votes));
+                   fmt::format("left and right seem to be swapped (with {}), or both images mirrored or turned by 180 "
+                               "degrees: {}",
+                               right_name, found));
 }
 
 }  // namespace

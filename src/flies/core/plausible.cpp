@@ -59,8 +59,10 @@ std::string likely_units(double baseline, double focal_px) {
     if (baseline_m >= kLikelyBaseline_m && baseline_m <= kLikelyMostBaseline_m)
       guesses += fmt::format("{}{} ({:.3g} m)", guesses.empty() ? "is it in " : " or ", name, baseline_m);
   };
-  for (const auto& [name, metres] : {Unit{"millimetres", 1e-3}, Unit{"centimetres", 1e-2}, Unit{"inches", 0.0254},
-                                     Unit{"decimetres", 0.1}, Unit{"kilometres", 1e3}})
+  for (const auto& [name, metres] :
+       {Unit{"millimetres", 1e-3}, Unit{"centimetres", 1e-2}, Unit{"inches", 0.0254}, Unit{"feet", 0.3048},
+        Unit{"decimetres", 0.1}, Unit{"metres where the file has centimetres", 1e2},
+        Unit{"kilometres, or metres where the file has millimetres", 1e3}})
     guess(name, baseline * metres);
   guess("metres where the projection matrix wants focal length times metres", baseline * focal_px);
   return guesses.empty() ? "is the unit that of the board's squares?" : guesses + ", or in squares of the board?";

@@ -74,11 +74,12 @@ void check_camera_fits(const StereoCamera& camera, int width_px, int height_px, 
     if (camera.width_px != width_px || camera.height_px != height_px)
       throw InputError(
           source, "image size",
-          fmt::format("the calibration is for {} x {} px, the images have {} x {} px: were they cropped, or "
-                      "resized by {:.3g} across and {:.3g} down?",
-                      camera.width_px, camera.height_px, width_px, height_px,
-                      static_cast<double>(width_px) / camera.width_px,
-                      static_cast<double>(height_px) / camera.height_px));
+          fmt::format(
+              "the calibration is for {} x {} px, the images have {} x {} px: were they resized by {:.3g} "
+              "across and {:.3g} down, or cropped? Then take the columns and rows that were cut off at the left "
+              "and at the top from cx and cy, and give the size of the images",
+              camera.width_px, camera.height_px, width_px, height_px, static_cast<double>(width_px) / camera.width_px,
+              static_cast<double>(height_px) / camera.height_px));
     return;
   }
   // A file without a size still betrays itself: the principal point of a real camera lies well inside its image.

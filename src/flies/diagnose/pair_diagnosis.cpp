@@ -8,13 +8,12 @@
 #include <utility>
 
 #include "flies/core/quantile.hpp"
+#include "flies/diagnose/image_cells.hpp"
 #include "flies/road/road.hpp"
 
 namespace flies {
 namespace {
 
-constexpr int kColumns = 20, kRows = 8;
-constexpr double kTexture_gray = 3.0;  ///< standard deviation of a cell that can be matched
 constexpr int kDark_gray = 8, kBright_gray = 247;
 
 /// Below this nothing is to be seen: a lens cap, fog, darkness.
@@ -22,40 +21,37 @@ constexpr double kNothingTextured = 0.1;
 constexpr int kMinPatches = 40;
 /// Good pairs of streets have 0.32 and more; wrong calibrations, rows 3 px apart and other frames less than 0.2.
 constexpr double kFewMatched = 0.2;
-constexpr double kManyBeyond = 0.15;
-constexpr int kMinBeyond = 8;
+/// Told; and so many that nothing else can be concluded. In good pairs 0.027 at most, one or two places.
+constexpr double kSomeBeyond = 0.03, kManyBeyond = 0.15;
+constexpr int kMinSomeBeyond = 3, kMinBeyond = 8;
+/// Of the places found, those at infinity in one picture taken twice; streets show something nearer.
+constexpr double kFlat = 0.98;
+constexpr int kMinFlat = 30;
+/// A part of the image this large that is black or white is told, whatever the rest shows: 0.41 in good pairs.
+constexpr double kMuchHidden = 0.5;
+/// Corners scatter this much about a line over the columns where rows differ otherwise; 0.2 px in good pairs.
+constexpr double kScatterMatters_px = 0.7;
 /// See `PairDiagnosis::nearer_above`.
 constexpr double kNearerAbove = 1.4;
 
 void see_levels(const GrayView& image, PairDiagnosis& diagnosis) {
-  int textured = 0;
   double dark = 0.0, bright = 0.0;
-  for (int row = 0; row < kRows; ++row)
-    for (int column = 0; column < kColumns; ++column) {
-      const int first_v = image.height_px * row / kRows, end_v = image.height_px * (row + 1) / kRows;
-      const int first_u = image.width_px * column / kColumns, end_u = image.width_px * (column + 1) / kColumns;
-      double sum = 0.0, squares = 0.0;
-      for (int v = first_v; v < end_v; ++v)
-        for (int u = first_u; u < end_u; ++u) {
-          const int level = image.row(v)[u];
-          sum += level;
-          squares += level * level;
-          dark += level <= kDark_gray;
-          bright += level >= kBright_gray;
-        }
-      const double pixels = std::max(1, (end_v - first_v) * (end_u - first_u));
-      textured += squares / pixels - (sum / pixels) * (sum / pixels) >= kTexture_gray * kTexture_gray;
+  for (int v = 0; v < image.height_px; ++v)
+    for (int u = 0; u < image.width_px; ++u) {
+      dark += image.row(v)[u] <= kDark_gray;
+      bright += image.row(v)[u] >= kBright_gray;
     }
   const double pixels = static_cast<double>(image.width_px) * image.height_px;
-  diagnosis.textured_share = static_cast<double>(textured) / (kColumns * kRows);
+  const CellGrid textured = textured_cells(image);
+  diagnosis.textured_share =
+      static_cast<double>(std::count(textured.begin(), textured.end(), true)) / static_cast<double>(textured.size());
   diagnosis.dark_share = dark / pixels;
   diagnosis.bright_share = bright / pixels;
 }
 
 std::string what_hides(const PairDiagnosis& d) {
-  constexpr double kMost = 0.5;
-  if (d.dark_share > kMost) return "the image is nearly black (a lens cap, night, too short an exposure)";
-  if (d.bright_share > kMost) return "the image is nearly white (the sun, too long an exposure)";
+  if (d.dark_share > kMuchHidden) return "the image is nearly black (a lens cap, night, too short an exposure)";
+  if (d.bright_share > kMuchHidden) return "the image is nearly white (the sun, too long an exposure)";
   return "the image is nearly uniform (a lens cap, fog, a wall)";
 }
 
@@ -70,10 +66,15 @@ double PairDiagnosis::beyond_share() const {
   return found == 0 ? 0.0 : static_cast<double>(evidence.beyond) / found;
 }
 
+bool PairDiagnosis::is_flat() const {
+  const int found = evidence.nearer + evidence.distant + evidence.beyond;
+  return found >= kMinFlat && evidence.distant >= kFlat * found;
+}
+
 bool PairDiagnosis::can_be_trusted() const {
   const bool is_found = evidence.patches < kMinPatches || matched_share() >= kFewMatched;
   const bool is_before_infinity = evidence.beyond < kMinBeyond || beyond_share() <= kManyBeyond;
-  return textured_share >= kNothingTextured && is_found && is_before_infinity;
+  return textured_share >= kNothingTextured && !is_flat() && is_found && is_before_infinity;
 }
 
 PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camera) {
@@ -82,6 +83,7 @@ PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camer
   diagnosis.evidence = gather_pair_evidence(pair, camera);
   const auto& [upper_px, lower_px] = std::pair(diagnosis.evidence.upper_px, diagnosis.evidence.lower_px);
   if (upper_px > 0.0 && lower_px > 0.0) diagnosis.nearer_above = upper_px / lower_px;
+  diagnosis.sides = compare_sides(pair);
   diagnosis.rows = fit_row_error(match_corners(pair), pair.left.width_px);
   diagnosis.road_found = estimate_road(pair, Projection(camera), {}).found;
   return diagnosis;
@@ -92,6 +94,7 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
   if (pairs.empty()) return run;
   std::vector<double> textured, dark, bright, nearer_above;
   std::vector<RowError> rows;
+  std::vector<SideDifference> sides;
   int roads = 0;
   for (const auto& pair : pairs) {
     textured.push_back(pair.textured_share);
@@ -101,6 +104,7 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
     run.evidence.nearer += pair.evidence.nearer;
     run.evidence.beyond += pair.evidence.beyond;
     run.evidence.distant += pair.evidence.distant;
+    sides.push_back(pair.sides);
     if (pair.rows) rows.push_back(*pair.rows);
     if (pair.nearer_above) nearer_above.push_back(*pair.nearer_above);
     roads += pair.road_found;
@@ -109,6 +113,7 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
   run.dark_share = median_of(std::move(dark));
   run.bright_share = median_of(std::move(bright));
   if (!nearer_above.empty()) run.nearer_above = median_of(std::move(nearer_above));
+  run.sides = median_side_difference(sides);
   run.rows = median_row_error(rows);
   run.road_found = roads > 0;
   return run;
@@ -128,6 +133,16 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
                     100.0 * (1.0 - d.textured_share), what_hides(d)));
     return found;  // all else follows from that
   }
+  if (d.is_flat()) {
+    found.push_back(
+        "all that is found in both images lies at infinity: are they one picture twice, or of one camera, or is "
+        "everything that far away?");
+    return found;
+  }
+  if (std::max(d.dark_share, d.bright_share) > kMuchHidden)
+    found.push_back(fmt::format("nothing can be seen in much of the image: {}", what_hides(d)));
+  else
+    for (auto& complaint : complaints(d.sides)) found.push_back(std::move(complaint));
   const double row_error_px = d.rows ? d.rows->typical_px() : 0.0;
   if (row_error_px >= kRowErrorMatters_px)
     found.push_back(fmt::format(
@@ -140,6 +155,11 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
               "makes up for it"
             : "the pair is not rectified; check that the calibration is of these cameras and says whether these images "
               "are raw or rectified"));
+  else if (d.rows && d.rows->scatter_px >= kScatterMatters_px)
+    found.push_back(
+        fmt::format("rows of left and right lie apart by {:.1f} px here and there: focal lengths or distortion of one "
+                    "camera are not those of the calibration",
+                    d.rows->scatter_px));
   if (d.evidence.patches >= kMinPatches && d.matched_share() < kFewMatched)
     found.push_back(fmt::format(
         "only {:.0f} % of the places of the left image are found on their row of the right one (32 % and more in good "
@@ -147,7 +167,7 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
         "and "
         "that both were taken at the same moment",
         100.0 * d.matched_share()));
-  if (d.evidence.beyond >= kMinBeyond && d.beyond_share() > kManyBeyond)
+  if (d.evidence.beyond >= kMinSomeBeyond && d.beyond_share() > kSomeBeyond)
     found.push_back(fmt::format(
         "{:.0f} % of the places that are found would lie beyond infinity: the cameras look towards each other "
         "or a principal point is wrong, so ranges are too; check cx of both cameras",

@@ -7,6 +7,7 @@
 #include "flies/core/gray_view.hpp"
 #include "flies/core/pair_check.hpp"
 #include "flies/core/stereo_camera.hpp"
+#include "flies/diagnose/compare_sides.hpp"
 #include "flies/diagnose/row_error.hpp"
 
 namespace flies {
@@ -21,12 +22,15 @@ struct PairDiagnosis {
   /// How much nearer places in the upper third of the left image are than those in the lower one, a ratio of
   /// disparities: below 1.2 in 53 pairs of streets and other places, and the inverse when images stand on their heads.
   std::optional<double> nearer_above;
+  SideDifference sides;     ///< in what the images differ that should not
   bool road_found = false;  ///< the road's plane agrees with the mount of the camera
 
   /// Of the patches, those found on their row at or before infinity; 0.32 and more in good pairs of streets.
   double matched_share() const;
   /// Of the places found, those beyond infinity, which cannot be.
   double beyond_share() const;
+  /// Whether nearly all that is found lies at infinity, as where one picture was taken for both.
+  bool is_flat() const;
   /// Whether so much of the images is seen and found that more can be concluded from what is found.
   bool can_be_trusted() const;
 };

@@ -73,6 +73,36 @@ TEST(DiagnosePair, ToldIsThatThereIsNothingToSee) {
   EXPECT_THAT(complaints_of(filled(120), camera()), ElementsAre(HasSubstr("nearly uniform")));
 }
 
+TEST(DiagnosePair, ToldIsOnePictureTwice) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  pair.right = pair.left;
+  for (std::size_t i = 0; i < pair.right.pixels.size(); i += 7) pair.right.pixels[i] ^= 1;  // as compression leaves it
+  EXPECT_FALSE(diagnose_pair(pair.view(), camera()).can_be_trusted());
+  EXPECT_THAT(complaints_of(pair, camera()), ElementsAre(HasSubstr("one picture twice")));
+}
+
+TEST(Complaints, AFewPlacesBeyondInfinityAreTold) {
+  PairDiagnosis diagnosis;
+  diagnosis.textured_share = 0.8;
+  diagnosis.evidence = {.patches = 100, .nearer = 60, .beyond = 2, .distant = 8};
+  diagnosis.road_found = true;
+  EXPECT_TRUE(complaints(diagnosis).empty());  // two places say nothing
+  diagnosis.evidence.beyond = 4;
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("beyond infinity")));
+  EXPECT_TRUE(diagnosis.can_be_trusted());
+}
+
+TEST(Complaints, HiddenPartsAndScatteredRowsAreTold) {
+  PairDiagnosis diagnosis;
+  diagnosis.textured_share = 0.4;
+  diagnosis.road_found = true;
+  diagnosis.bright_share = 0.6;
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("nearly white")));
+  diagnosis.bright_share = 0.3;
+  diagnosis.rows = RowError{0.1, 0.0, 1.2, 100, 300.0};
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("1.2 px here and there")));
+}
+
 TEST(DiagnosePair, ToldIsThatFewPlacesAreFound) {
   GrayPair pair = textured_pair(8.0, 0.0, 0.0);
   const GrayPair other = textured_pair(8.0, 60.0, 0.0);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -61,6 +62,26 @@ void check_baseline(const Calibration& calibration, const std::string& source) {
     throw InputError(source, "baseline", fmt::format("found 0 m: both cameras stand in one place ({})", pair));
 }
 
+/// Images that are as wide as the calibration's and lower were cut off, by rows: no range depends on which. As long as
+/// nobody says otherwise at the bottom, which leaves the principal point where it was; rows that are missing at the top
+/// look like a camera that looks down, which the road tells.
+bool was_cut_off(const CalibrationRequest& request, const Calibration& calibration, int width_px, int height_px) {
+  return !calibration.rectifier && width_px == request.width_px && height_px > request.height_px &&
+         height_px < 2 * request.height_px &&
+         !detail::one_scale(width_px, height_px, request.width_px, request.height_px);
+}
+
+void take_as_cut_off(const CalibrationRequest& request, Calibration& calibration, int height_px) {
+  const int rows = height_px - request.height_px;
+  calibration.notes.push_back(fmt::format(
+      "the calibration is for {} x {} px, of which the images have the upper {} rows, it seems: if {} rows were cut "
+      "off "
+      "at the top instead, the camera seems to look {:.1f} degrees down, which --mount auto finds from the road",
+      request.width_px, height_px, request.height_px, rows, degrees(std::atan(rows / calibration.camera.fy_px))));
+  calibration.camera.width_px = request.width_px;
+  calibration.camera.height_px = request.height_px;
+}
+
 /// Brings the camera to the size of the images: given where the file has none, scaled where one scale fits.
 void fit_size(const CalibrationRequest& request, const std::string& source, Calibration& calibration) {
   auto& camera = calibration.camera;
@@ -71,6 +92,13 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
   if (request.width_px <= 0 || request.height_px <= 0) return;
   const auto deduced =
       camera.width_px == 0 ? detail::size_of_unsized(camera, request.width_px, request.height_px) : std::nullopt;
+  if (deduced && was_cut_off(request, calibration, (*deduced)[0], (*deduced)[1]))
+    return take_as_cut_off(request, calibration, (*deduced)[1]);
+  if (deduced && (*deduced)[0] == request.height_px && (*deduced)[1] == request.width_px) {
+    camera.width_px = (*deduced)[0];
+    camera.height_px = (*deduced)[1];
+    check_camera_fits(camera, request.width_px, request.height_px, source);
+  }
   if (deduced && !detail::one_scale((*deduced)[0], (*deduced)[1], request.width_px, request.height_px))
     throw InputError(
         source, "image size",
@@ -93,6 +121,8 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
     camera.height_px = request.height_px;
   }
   if (camera.width_px == request.width_px && camera.height_px == request.height_px) return;
+  if (was_cut_off(request, calibration, camera.width_px, camera.height_px))
+    return take_as_cut_off(request, calibration, camera.height_px);
   const auto scale = detail::one_scale(camera.width_px, camera.height_px, request.width_px, request.height_px);
   if (!scale || calibration.rectifier) return;  // told where the images are used; raw cameras were scaled before
   calibration.notes.push_back(

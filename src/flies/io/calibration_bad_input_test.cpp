@@ -112,6 +112,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadCalibration{"OpenCvXmlTwice", "<opencv_storage><P1>1</P1><P1>2</P1></opencv_storage>",
                        "P1: stands in the file twice"},
         BadCalibration{"SelfContainingYaml", "a: &a\n  b: *a\n", "the_calib"},
+        BadCalibration{"TransposedProjections",
+                       "%YAML:1.0\n---\nP1: [500, 0, 0, 0, 500, 0, 320, 240, 1, 0, 0, 0]\n"
+                       "P2: [500, 0, 0, 0, 500, 0, 320, 240, 1, -150, 0, 0]\n",
+                       "P1: is transposed"},
         BadCalibration{"PrincipalPointFarOut", kOwn.substr(0, 11) + "cx_px: 60000\n" + kOwn.substr(22),
                        "cx_px (principal point)"}),
     [](const auto& test) { return test.param.name; });

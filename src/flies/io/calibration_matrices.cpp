@@ -27,6 +27,10 @@ struct Intrinsics {
 /// @param stride numbers a row: 3 of a camera matrix, 4 of a projection matrix
 Intrinsics read_intrinsics(const std::vector<double>& m, std::size_t stride, const std::string& source,
                            const std::string& key) {
+  // Column by column: fx 0 0, 0 fy 0, cx cy 1, and the last column of a projection matrix.
+  if (m[0] > 0.0 && m[4] > 0.0 && m[1] == 0.0 && m[2] == 0.0 && m[3] == 0.0 && m[5] == 0.0 && m[8] == 1.0 &&
+      (m[6] > 1.0 || m[7] > 1.0))
+    throw InputError(source, key, "is transposed, as MATLAB writes it, expected fx 0 cx, 0 fy cy, 0 0 1 in rows");
   if (m[0] == 0.0 || m[stride + 1] == 0.0)
     throw InputError(source, key, "found a focal length of 0, expected a positive one");
   constexpr double kZero = 1e-6;  // relative to the focal length

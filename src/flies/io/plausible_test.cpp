@@ -40,7 +40,10 @@ TEST(CheckPlausible, NamesTheLikelyUnitOfTheBaseline) {
   EXPECT_THAT(fault_of(baseline(54.0)), HasSubstr("centimetres (0.54 m)"));
   EXPECT_THAT(fault_of(baseline(21.26)), HasSubstr("inches (0.54 m)"));
   EXPECT_THAT(note_of(baseline(5.4)), HasSubstr("decimetres (0.54 m)"));
-  EXPECT_THAT(fault_of(baseline(0.00054)), HasSubstr("kilometres (0.54 m)"));
+  EXPECT_THAT(fault_of(baseline(0.00054)), HasSubstr("kilometres, or metres where the file has millimetres (0.54 m)"));
+  EXPECT_THAT(note_of(baseline(0.0054)), HasSubstr("metres where the file has centimetres (0.54 m)"));
+  EXPECT_THAT(fault_of(baseline(14.8)), HasSubstr("inches (0.376 m)"));
+  EXPECT_THAT(note_of(baseline(3.5)), HasSubstr("feet (1.07 m)"));
   EXPECT_THAT(fault_of(baseline(0.54 / 721.5)), HasSubstr("focal length times metres (0.54 m)"));
 }
 
@@ -131,6 +134,42 @@ TEST(LoadCalibration, RefusesImagesOfAnotherShapeThanKittis) {
   request.width_px = 640;
   request.height_px = 193;
   EXPECT_NEAR(load_calibration(file, request).camera.fx_px, 721.5377 * 640 / 1242, 1e-6);
+}
+
+TEST(LoadCalibration, GoesOnWithImagesWhoseRowsWereCutOffAndSaysSo) {
+  const TemporaryFolder folder;
+  const std::string kitti =
+      "P0: 721.5377 0 609.5593 0 0 721.5377 172.854 0 0 0 1 0\n"
+      "P1: 721.5377 0 609.5593 -387.5744 0 721.5377 172.854 0 0 0 1 0\n";
+  const std::string own =
+      "fx_px: 721.5377\ncx_px: 609.5593\ncy_px: 172.854\nbaseline_m: 0.54\nwidth_px: 1242\nheight_px: 375\n";
+  for (const auto& file : {folder.write("calib.txt", kitti), folder.write("calib.yaml", own)}) {
+    CalibrationRequest request;
+    request.width_px = 1242;
+    request.height_px = 320;
+    const auto cut = load_calibration(file, request);
+    EXPECT_EQ(cut.camera.height_px, 320);
+    EXPECT_EQ(cut.camera.cy_px, 172.854);
+    EXPECT_THAT(cut.notes,
+                ::testing::Contains(::testing::AllOf(HasSubstr("the upper 320 rows"), HasSubstr("4.4 degrees down"))));
+    request.height_px = 180;  // less than half: something else
+    EXPECT_THAT(error_of([&] {
+                  const auto calibration = load_calibration(file, request);
+                  check_camera_fits(calibration.camera, 1242, 180, file);
+                }),
+                HasSubstr("cropped"));
+  }
+}
+
+TEST(LoadCalibration, AsksWhetherImagesOfAnUnsizedCameraLieOnTheirSide) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("calib.txt",
+                                 "P0: 721.5377 0 609.5593 0 0 721.5377 172.854 0 0 0 1 0\n"
+                                 "P1: 721.5377 0 609.5593 -387.5744 0 721.5377 172.854 0 0 0 1 0\n");
+  CalibrationRequest request;
+  request.width_px = 375;
+  request.height_px = 1242;
+  EXPECT_THAT(error_of([&] { load_calibration(file, request); }), HasSubstr("lie on their side"));
 }
 
 TEST(CheckSizeOfUnsized, RefusesHalfTheSizeAndTakesTheWhole) {

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <vector>
 
+#include "flies/core/pair_check.hpp"
 #include "flies/core/usable_pair.hpp"
 #include "flies/road/ground_plane.hpp"
 #include "flies/road/road.hpp"
@@ -31,9 +32,15 @@ constexpr double kConfirmed = 0.2;
 /// With so many, the told mount gives way only to much better evidence.
 constexpr double kLikely = 0.1;
 
-/// Support that a plane needs to be the ground, as a share of the places matched: 0.05 to 0.5 where much of it is seen.
-constexpr double kGroundShare = 0.025;
+/// Support that a plane needs to be the ground, as a share of the places matched: 0.04 to 0.5 where much of it is seen,
+/// at most 0.012 where none is (images turned by 180 degrees, but for floors that are 5 m away or stand upright).
+constexpr double kGroundShare = 0.015;
 constexpr double kMuchGroundShare = 0.08;
+/// Of turned images to be the ground, and so many times that of the images as they are.
+constexpr double kTurnedShare = 0.03, kTurnedOverGiven = 3.0;
+/// Below this, places in the upper third of the images are not so much nearer that they may stand on their heads: 1.2
+/// at most in images that do not.
+constexpr double kNearerAbove = 1.2;
 /// The told mount stays when its support is this share of the best.
 constexpr double kAsGood = 0.6;
 
@@ -129,13 +136,6 @@ SeenPlaces turned(SeenPlaces seen) {
   return seen;
 }
 
-/// Whether much of both images is ground when they are turned; where little is when they are not.
-bool stands_on_its_head(const std::vector<SeenPlaces>& each) {
-  std::vector<Vote> votes;
-  for (const auto& seen : each) votes.push_back(vote_of(turned(seen), CameraMount{}));
-  return agreed_mount(votes, kMuchGroundShare).has_value();
-}
-
 /// What all pairs say.
 struct Evidence {
   std::vector<SeenPlaces> each;
@@ -160,6 +160,34 @@ Evidence gather(std::span<const RectifiedPair> pairs, const StereoCamera& camera
   return evidence;
 }
 
+/// With the shears that nearly all mounts need; with more, which let chance match more as well, where that shows more.
+Evidence gather_clear(std::span<const RectifiedPair> pairs, const StereoCamera& camera) {
+  Evidence evidence = gather(pairs, camera, kSmallShear);
+  const double large = std::min(kLargeShear, camera.baseline_m / kLowestMount_m);
+  if (evidence.is_clear() || large <= kSmallShear) return evidence;
+  Evidence steep = gather(pairs, camera, large);
+  return steep.share(steep.support) > evidence.share(evidence.support) ? steep : evidence;
+}
+
+/// Whether a plane of the turned images is the ground, and hardly any of the images as they are.
+bool stands_on_its_head(const Evidence& evidence) {
+  if (evidence.share(evidence.support) >= kMuchGroundShare) return false;
+  std::vector<Vote> votes;
+  double support = 0.0;
+  for (const auto& seen : evidence.each) support += votes.emplace_back(vote_of(turned(seen), CameraMount{})).support;
+  return support >= kTurnedOverGiven * evidence.support && agreed_mount(votes, kTurnedShare).has_value();
+}
+
+/// Whether what is seen above is nearer than what is seen below, in most pairs: so it is where images stand on their
+/// heads, and a ceiling can be where the road was told to be.
+bool is_nearer_above(std::span<const RectifiedPair> pairs, const StereoCamera& camera) {
+  const auto nearer = std::count_if(pairs.begin(), pairs.end(), [&](const RectifiedPair& pair) {
+    const PairEvidence seen = gather_pair_evidence(pair, camera);
+    return seen.lower_px > 0.0 && seen.upper_px > kNearerAbove * seen.lower_px;
+  });
+  return 2 * static_cast<std::size_t>(nearer) > pairs.size();
+}
+
 /// Of the probes of the road in all pairs, those on a road that was found.
 double road_share(std::span<const RectifiedPair> pairs, const StereoCamera& camera) {
   const Projection projection(camera);
@@ -182,25 +210,22 @@ MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera
   for (const auto& pair : given) pairs.push_back(detail::usable_pair(pair));
   const double told_road = road_share(pairs, camera);
   finding.is_confirmed = told_road >= kConfirmed;
-  if (finding.is_confirmed) return finding;
+  if (finding.is_confirmed && !is_nearer_above(pairs, camera)) return finding;
 
-  const double least_share = told_road >= kLikely ? kMuchGroundShare : kGroundShare;
-  Evidence evidence = gather(pairs, camera, kSmallShear);
-  if (!evidence.is_clear()) {
-    const double large = std::min(kLargeShear, camera.baseline_m / kLowestMount_m);
-    if (large > kSmallShear) evidence = gather(pairs, camera, large);
-  }
+  const Evidence evidence = gather_clear(pairs, camera);
   finding.ground_share = evidence.share(evidence.support);
+  if (stands_on_its_head(evidence)) {
+    finding.is_confirmed = false;
+    finding.is_upside_down = true;
+  }
+  if (finding.is_confirmed || finding.is_upside_down) return finding;
+
   const bool is_as_told = evidence.is_as_told();
+  const double least_share = told_road >= kLikely ? kMuchGroundShare : kGroundShare;
   const auto mount = is_as_told ? std::nullopt : agreed_mount(evidence.votes, least_share);
   finding.is_confirmed = is_as_told && finding.ground_share >= kGroundShare;
   finding.is_replaced = mount.has_value();
   if (mount) finding.mount = *mount;
-  if (finding.ground_share < kMuchGroundShare && told_road < kLikely && stands_on_its_head(evidence.each)) {
-    finding.mount = camera.mount;
-    finding.is_confirmed = finding.is_replaced = false;
-    finding.is_upside_down = true;
-  }
   return finding;
 }
 

@@ -64,6 +64,21 @@ struct Match {
   float correlation = 0.0F;  ///< 0: none
 };
 
+/// Whether the place of the right image that was found leads back to where the search started: chance hardly does, and
+/// what only one camera sees does not.
+/// @param moved_px what the right image is sheared by in this row
+bool leads_back(const RectifiedPair& pair, const StereoPoint& found, double lowest_px, double moved_px,
+                std::vector<float>& correlation) {
+  constexpr double kSamePlace_px = 1.5;
+  const RectifiedPair back{pair.right, pair.left};
+  const StereoPoint place{found.u_px - (found.disparity_px - moved_px), found.v_px, 0.0};
+  // Disparities of the swapped pair are negative: from the largest one to the smallest.
+  const double most_px = moved_px - lowest_px, least_px = most_px - static_cast<double>(correlation.size() - 1);
+  correlate_disparities(back, place, least_px, correlation);
+  const double best = unambiguous_best(correlation, kMinCorrelation);
+  return best >= 0.0 && std::abs(least_px + best - (moved_px - found.disparity_px)) < kSamePlace_px;
+}
+
 /// Matches all places of a grid with one shear; keeps what matches better than before.
 void match_grid(const RectifiedPair& pair, double shear, double offset_px, int columns, int rows,
                 std::vector<Match>& matches) {
@@ -83,7 +98,10 @@ void match_grid(const RectifiedPair& pair, double shear, double offset_px, int c
         if (best < 0.0) continue;
         const float value = correlation[static_cast<std::size_t>(std::lrint(best))];
         Match& match = matches[static_cast<std::size_t>(row * columns + column)];
-        if (value > match.correlation) match = {lowest_px + best, value};
+        const double disparity_px = lowest_px + best;
+        if (value > match.correlation &&
+            leads_back(pair, {place.u_px, place.v_px, disparity_px}, lowest_px, moved_px, correlation))
+          match = {disparity_px, value};
       }
   });
 }

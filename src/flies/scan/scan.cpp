@@ -11,6 +11,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/usable_pair.hpp"
+#include "flies/scan/blind_columns.hpp"
 
 namespace flies {
 namespace {
@@ -151,6 +152,12 @@ void trim_surfaces(const Evidence& evidence, const EvidenceOptions& options, std
   }
 }
 
+/// Cells of these columns prove nothing.
+void doubt_columns(const std::vector<bool>& columns, std::vector<CellPoint>& points) {
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (columns[i % columns.size()]) points[i].certainty = 0.0F;
+}
+
 /// The column of cells that looks in a direction; -1 when none does or the far end is in view of one camera alone.
 int column_at(const Reading& r, double angle_rad, double x_far_m) {
   const double x_m = kSightRange_m * std::cos(angle_rad), y_m = kSightRange_m * std::sin(angle_rad);
@@ -198,6 +205,7 @@ Scan Scanner::scan(const RectifiedPair& given, const Projection& projection, con
   else
     matches_.clear();
   read_points(layout_, matches_, memory_.left, projection.disparity_offset_px(), options.cells, points_);
+  doubt_columns(blind_columns(pair, layout_, options.cells.row_step), points_);
   std::swap(evidence_, before_);
   evidence_.collect(layout_, points_, flies, projection, road, options);
   if (motion != nullptr) evidence_.recall(before_, *motion);

@@ -135,6 +135,37 @@ TEST(Scan, KnowsNothingWhereNothingCanBeSeen) {
   }
 }
 
+/// Dark pixels of a covered camera.
+std::uint8_t noise(std::uint32_t camera, int pixel) {
+  return static_cast<std::uint8_t>(FlyRandom(9, camera, static_cast<std::uint32_t>(pixel), 0).below(5));
+}
+
+TEST(Scan, KnowsNothingWhereImagesShowNoise) {
+  Drawn drawn;
+  for (int i = 0; i < kWidth_px * kHeight_px; ++i) {
+    drawn.left[static_cast<std::size_t>(i)] = noise(1, i);
+    drawn.right[static_cast<std::size_t>(i)] = noise(2, i);
+  }
+  const Scan scan = drawn.scan();
+  ASSERT_FALSE(scan.empty());
+  EXPECT_EQ(std::count(scan.states.begin(), scan.states.end(), SectorState::unknown),
+            static_cast<std::ptrdiff_t>(scan.size()));
+}
+
+TEST(Scan, KnowsNothingWhereHalfOfTheRightImageIsDark) {
+  Drawn drawn;
+  drawn.paint_road();
+  drawn.paint_board(10.0, 1.6, 100, 200);
+  for (int v = 0; v < kHeight_px; ++v)
+    for (int u = kWidth_px / 2; u < kWidth_px; ++u)
+      drawn.right[static_cast<std::size_t>(v * kWidth_px + u)] = noise(2, v * kWidth_px + u);
+  const Scan scan = drawn.scan();
+  const double nearest_px = 400 * 0.5 / ScanOptions().x_min_m;  // partners of farther columns may lie in the light half
+  for (const std::size_t i : sectors_between(scan, kWidth_px / 2 + nearest_px + 48, kWidth_px))
+    EXPECT_EQ(scan.states[i], SectorState::unknown) << i;
+  for (const std::size_t i : sectors_between(scan, 120, 180)) EXPECT_EQ(scan.states[i], SectorState::obstacle) << i;
+}
+
 TEST(Scan, HasSectorsFromRightToLeftWithinTheViewOfBothCameras) {
   const Scan scan = Drawn().scan();
   EXPECT_NEAR(scan.angle_increment_rad, radians(0.5), 1e-12);

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "flies/io/gray_image.hpp"
+#include "flies/io/mosaic.hpp"
+#include "shared/notes.hpp"
+
+/// Tells once that images are the raw mosaic of a colour camera: for commands that look at many pairs.
+class MosaicWatch {
+ public:
+  /// @param images as they were read, before they are rectified
+  void look(const flies::GrayPair& images, const std::string& source) {
+    if (is_told_ || looks_left_ == 0) return;
+    --looks_left_;
+    const auto note = flies::mosaic_note(images.view());
+    is_told_ = note.has_value();
+    if (note) say_notes({source + ": " + *note});
+  }
+
+ private:
+  bool is_told_ = false;
+  int looks_left_ = 20;  ///< a run shows it in its first pairs, or never
+};

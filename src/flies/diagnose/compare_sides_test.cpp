@@ -1,0 +1,60 @@
+#include "flies/diagnose/compare_sides.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "flies/diagnose/textured_pair.hpp"
+
+namespace flies {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+cv::Mat mat_of(GrayImage& image) { return {image.height_px, image.width_px, CV_8UC1, image.pixels.data()}; }
+
+TEST(CompareSides, FindsNothingInAGoodPair) {
+  const auto difference = compare_sides(textured_pair(8.0, 0.0, 0.0).view());
+  EXPECT_EQ(difference.left_blind_share, 0.0);
+  EXPECT_EQ(difference.right_blind_share, 0.0);
+  EXPECT_NEAR(difference.sharpness, 1.0, 0.05);
+  EXPECT_NEAR(difference.contrast, 1.0, 0.05);
+  EXPECT_THAT(complaints(difference), IsEmpty());
+}
+
+TEST(CompareSides, TellsOnWhichSideAPartIsMissing) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  mat_of(pair.right).colRange(320, 640).setTo(0);
+  EXPECT_NEAR(compare_sides(pair.view()).right_blind_share, 0.25, 0.01);  // a quarter may have its partners in the rest
+  EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("the right image shows nothing in 25 %")));
+  std::swap(pair.left, pair.right);
+  EXPECT_THAT(complaints(compare_sides(pair.view())), testing::Contains(HasSubstr("the left image shows nothing in")));
+}
+
+TEST(CompareSides, TellsWhichImageIsBlurred) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  cv::GaussianBlur(mat_of(pair.left), mat_of(pair.left), {0, 0}, 5.0);
+  cv::normalize(mat_of(pair.left), mat_of(pair.left), 20, 235, cv::NORM_MINMAX);
+  EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("the left image is 0.")));
+}
+
+TEST(CompareSides, TellsWhichImageIsFainter) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  mat_of(pair.right) *= 0.3;
+  EXPECT_THAT(complaints(compare_sides(pair.view())),
+              ElementsAre(HasSubstr("the right image has 0.3 times the contrast")));
+}
+
+TEST(MedianSideDifference, BearsAFewOddPairs) {
+  const SideDifference odd{.left_blind_share = 0.5, .right_blind_share = 0.5, .sharpness = 3.0, .contrast = 0.1};
+  EXPECT_THAT(complaints(median_side_difference({{}, odd, {}})), IsEmpty());
+  EXPECT_THAT(complaints(median_side_difference({})), IsEmpty());
+}
+
+}  // namespace
+}  // namespace flies
