@@ -1,5 +1,9 @@
 #include <fmt/format.h>
 
+#if __has_include(<malloc.h>)
+#include <malloc.h>
+#endif
+
 #include <algorithm>
 #include <array>
 #include <csignal>
@@ -137,6 +141,16 @@ int run(int argc, char** argv) {
   }
 }
 
+/// Pictures are large and come again and again. By default the memory of each goes back to the system, and every page
+/// of the next one is fetched and cleared anew, which takes longer than to read the picture.
+void keep_memory_of_pictures() {
+#ifdef __GLIBC__
+  constexpr int kBytes = 256 << 20;
+  mallopt(M_MMAP_THRESHOLD, kBytes / 8);  // 32 MB is the most that glibc takes
+  mallopt(M_TRIM_THRESHOLD, kBytes);
+#endif
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -144,6 +158,7 @@ int main(int argc, char** argv) {
   // A file size limit then fails the write, which is reported, instead of killing the process.
   std::signal(SIGXFSZ, SIG_IGN);
 #endif
+  keep_memory_of_pictures();
   end_cleanly_on_signals();
   try {
     return run(argc, argv);

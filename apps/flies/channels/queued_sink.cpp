@@ -2,8 +2,10 @@
 
 #include <utility>
 
-QueuedSink::QueuedSink(LiveSink& sink, std::size_t most, std::function<void()> left_out)
-    : sink_(sink), most_(most), left_out_(std::move(left_out)), thread_([this] { work(); }) {}
+#include "flies/core/background_thread.hpp"
+
+QueuedSink::QueuedSink(LiveSink& sink, std::size_t most, Haste haste, std::function<void()> left_out)
+    : sink_(sink), most_(most), haste_(haste), left_out_(std::move(left_out)), thread_([this] { work(); }) {}
 
 QueuedSink::~QueuedSink() {
   {
@@ -30,6 +32,7 @@ void QueuedSink::take(const LiveFrame& frame) {
 }
 
 void QueuedSink::work() {
+  if (haste_ == Haste::can_wait) flies::yield_to_other_threads();
   while (true) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return is_ending_ || !waiting_.empty(); });

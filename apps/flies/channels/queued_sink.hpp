@@ -14,9 +14,12 @@
 /// Gives another sink a thread of its own, so that whoever takes long, to encode pictures say, holds up nobody else.
 class QueuedSink final : public LiveSink {
  public:
+  /// Whether somebody waits for what the other sink makes, or the processor may do first what others wait for.
+  enum class Haste { is_awaited, can_wait };
+
   /// @param most frames may wait; of more the oldest are left out
   /// @param left_out called once, when that happens for the first time; may be empty
-  QueuedSink(LiveSink& sink, std::size_t most, std::function<void()> left_out = {});
+  QueuedSink(LiveSink& sink, std::size_t most, Haste haste, std::function<void()> left_out = {});
   ~QueuedSink() override;
   QueuedSink(const QueuedSink&) = delete;
   QueuedSink& operator=(const QueuedSink&) = delete;
@@ -33,6 +36,7 @@ class QueuedSink final : public LiveSink {
 
   LiveSink& sink_;
   std::size_t most_;
+  Haste haste_;
   std::function<void()> left_out_;
   std::mutex mutex_;  ///< of what follows
   std::condition_variable changed_;

@@ -162,19 +162,20 @@ class Outputs {
   void add_foxglove(const std::string& address, int port) {
     foxglove_.emplace(address, port);
     // First of all: it has a thread of its own, and others write and encode before they hand back.
-    sinks_.insert(sinks_.begin(), &foxglove_queue_.emplace(*foxglove_, kMostForFoxglove));
+    sinks_.insert(sinks_.begin(),
+                  &foxglove_queue_.emplace(*foxglove_, kMostForFoxglove, QueuedSink::Haste::is_awaited));
     std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", address.c_str(), foxglove_->port());
   }
   void add_record(const std::string& path) {
     record_.emplace(path);
-    sinks_.push_back(&record_queue_.emplace(*record_, kMostForRecord, [path] {
+    sinks_.push_back(&record_queue_.emplace(*record_, kMostForRecord, QueuedSink::Haste::can_wait, [path] {
       say_notes({path + ": this machine is too slow to record every pair; some are left out"});
     }));
   }
 
   void add_film(const std::string& path) {
     film_.emplace(path);
-    sinks_.push_back(&film_queue_.emplace(*film_, kMostForRecord, [path] {
+    sinks_.push_back(&film_queue_.emplace(*film_, kMostForRecord, QueuedSink::Haste::can_wait, [path] {
       say_notes({path + ": this machine is too slow to film every pair; some are left out"});
     }));
   }

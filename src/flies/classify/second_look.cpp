@@ -160,7 +160,8 @@ Verdicts look_again(CheckedLooks& looks, std::span<const Roi> rois, std::span<co
   std::set<std::size_t> first, rest;
   for (const std::size_t surest : places) {
     all.push_back(boxes_around(surest, by_probability, rois, options));
-    chosen.emplace_back(all.back().begin(), all.back().begin() + std::min(kBoxesFirst, all.back().size()));
+    chosen.push_back(all.back());
+    chosen.back().resize(std::min(kBoxesFirst, chosen.back().size()));
     first.insert(chosen.back().begin(), chosen.back().end());
   }
   look.classify(first);

@@ -128,6 +128,13 @@ struct FoxgloveServer::State {
     server.set_reuse_addr(true);
     constexpr std::size_t kLargestOrder = 1U << 20;
     server.set_max_message_size(kLargestOrder);
+    // A message leaves at once and does not wait for the client to confirm the one before.
+    server.set_tcp_post_init_handler([this](const Connection& client) {
+      websocketpp::lib::error_code error;
+      const auto connection = server.get_con_from_hdl(client, error);
+      websocketpp::lib::asio::error_code ignored;
+      if (!error) connection->get_raw_socket().set_option(websocketpp::lib::asio::ip::tcp::no_delay(true), ignored);
+    });
     server.set_validate_handler([this](const Connection& client) { return validate(client); });
     server.set_open_handler([this](const Connection& client) { open(client); });
     server.set_close_handler([this](const Connection& client) { close(client); });

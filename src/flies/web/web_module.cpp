@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "flies/core/background_thread.hpp"
 #include "flies/web/web_server.hpp"
 
 namespace {
@@ -45,7 +46,10 @@ class HttplibServer final : public flies::WebServer {
     else
       port_ = server_.bind_to_port(request.address, request.port) ? request.port : -1;
     if (port_ <= 0) return false;
-    thread_ = std::thread([this] { server_.listen_after_bind(); });
+    thread_ = std::thread([this] {
+      flies::yield_to_other_threads();  // pictures are encoded while pages wait; results are not to wait for that
+      server_.listen_after_bind();
+    });
     while (!server_.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     return true;
   }
