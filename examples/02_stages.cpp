@@ -43,14 +43,15 @@ void run(const flies::GrayPair& images, const flies::StereoCamera& camera) {
               concentrated.view_angles.size(), concentrated.shifted.size(), concentrated.candidates.size(),
               concentrated.obstacles.size());
 
+  const auto classifier = flies::default_people_classifier();
+
   // 5. Where would a person be, if the obstacle were one? Boxes with the feet on the road, of several heights, and the
   //    same before surfaces of the scan that no obstacle covers.
   const auto rois = flies::propose_rois(concentrated.obstacles, scan, projection, road.plane, pair.left.width_px,
-                                        pair.left.height_px, options.propose);
+                                        pair.left.height_px, flies::for_classifier(options.propose, *classifier));
   std::printf("propose: %zu boxes\n", rois.size());
 
   // 6. The classifier scores the boxes; of boxes that show the same person the surest is kept.
-  const auto classifier = flies::default_people_classifier();
   const auto pedestrians = flies::find_people(pair.left, rois, *classifier, options.classify).pedestrians;
   std::printf("classify: %zu pedestrians with the model %s\n", pedestrians.size(), classifier->name().c_str());
 

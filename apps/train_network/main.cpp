@@ -32,7 +32,7 @@ struct Arguments {
   DataFolders folders;
   bool all = false;
   LearningOptions learning;
-  std::string first = "flies-48x96-linear", state, out, calibration_of;
+  std::string first = "flies-48x96-linear", state, out, calibration_of, network_of;
   bool only_judge = false;
   double reject_below = -2.0;
   double background_share = 1e-3;
@@ -105,7 +105,7 @@ void print_rates(const std::string& name, const std::vector<double>& people, con
 /// Calibration, the say of the linear machine, and threshold, on the windows that were kept apart and that the first
 /// look lets through.
 void calibrate(PeopleModel& model, const NetworkData& data, const Judged& judged, double share) {
-  const HogGeometry hog;
+  const HogGeometry& hog = model.hog;
   const ConvolutionMachine machine(*model.convolution);
   const auto scores_of = [&](const std::vector<Place>& places) {
     std::vector<std::pair<double, double>> scores;  // by the network, by the linear machine
@@ -143,7 +143,34 @@ void calibrate(PeopleModel& model, const NetworkData& data, const Judged& judged
   model.threshold = value_at(probabilities(model, data.kept_apart, judged.background), share);
 }
 
+void take_calibration(PeopleModel& model, const std::string& of) {
+  const PeopleModel other = people_model(of);
+  if (!other.convolution) throw InputError(of, "convolution", "missing, expected a model with a network");
+  model.convolution->calibration = other.convolution->calibration;
+  model.convolution->linear_weight = other.convolution->linear_weight;
+  model.threshold = other.threshold;
+}
+
+void take_first_look(PeopleModel& model, const Arguments& arguments) {
+  const PeopleModel first = people_model(arguments.first);
+  model.hog = first.hog;
+  model.linear = first.linear;
+  model.linear.reject_below = arguments.reject_below;
+  model.name = std::filesystem::path(arguments.out).stem().string();
+}
+
+/// A network that is there already behind another first look.
+void put_together(const Arguments& arguments) {
+  PeopleModel model = people_model(arguments.network_of);
+  if (!model.convolution)
+    throw InputError(arguments.network_of, "convolution", "missing, expected a model with a network");
+  take_first_look(model, arguments);
+  take_calibration(model, arguments.calibration_of);
+  write_people_model(arguments.out, model);
+}
+
 void run(const Arguments& arguments) {
+  if (!arguments.network_of.empty()) return put_together(arguments);
   DataFolders folders = arguments.folders;
   folders.keep_apart = !arguments.all;
   const NetworkData data = load_network_data(folders);
@@ -167,11 +194,9 @@ void run(const Arguments& arguments) {
   Random random(arguments.learning.seed);
   for (std::size_t i = 0; i < kSample; ++i) sample.push_back(background.draw(random));
 
-  PeopleModel model = people_model(arguments.first);
-  model.kernel.reset();
-  model.name = std::filesystem::path(arguments.out).stem().string();
+  PeopleModel model;
+  take_first_look(model, arguments);
   model.convolution = network.stage(data.learnt, sample);
-  model.linear.reject_below = arguments.reject_below;
   model.about = {
       {"data",
        fmt::format("{} pictures with {} people: pedestrian crops, street pictures with labelled people and without, "
@@ -180,10 +205,7 @@ void run(const Arguments& arguments) {
       {"kept apart", fmt::format("{} pictures of other scenes", data.kept_apart.size())},
       {"licence", "weights learnt from research data that may be used for research; no pictures are included"}};
   if (!arguments.calibration_of.empty()) {
-    const PeopleModel other = people_model(arguments.calibration_of);
-    model.convolution->calibration = other.convolution->calibration;
-    model.convolution->linear_weight = other.convolution->linear_weight;
-    model.threshold = other.threshold;
+    take_calibration(model, arguments.calibration_of);
   } else if (judged) {
     calibrate(model, data, *judged, arguments.background_share);
   }
@@ -207,7 +229,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "trains the network of convolutions of a people model; needs street pictures with labelled people, crops\n"
       "of people, and pictures without people (docs/training.md)");
-  app.add_option("--people", arguments.folders.people, "folder with `train` and `pictures`")->required();
+  auto* people = app.add_option("--people", arguments.folders.people, "folder with `train` and `pictures`");
   app.add_option("--stereo", arguments.folders.stereo, "pairs with truth, whose proposed boxes are learnt from");
   app.add_option("--out", arguments.out, "model file to write")->required();
   app.add_option("--first", arguments.first, "model whose linear machine looks first; default flies-48x96-linear");
@@ -215,7 +237,13 @@ int main(int argc, char** argv) {
   app.add_option("--state", arguments.state, "file that the network is saved in after every epoch");
   app.add_flag("--only-judge", arguments.only_judge, "no training: the network of --state");
   app.add_flag("--all", arguments.all, "learn from all pictures, keep none apart");
-  app.add_option("--calibration-of", arguments.calibration_of, "model whose calibration and threshold are taken");
+  auto* calibration =
+      app.add_option("--calibration-of", arguments.calibration_of, "model whose calibration and threshold are taken");
+  app.add_option("--network-of", arguments.network_of,
+                 "no training and no data: the network of this model, behind the first look of --first, with the\n"
+                 "calibration of --calibration-of")
+      ->needs(calibration)
+      ->excludes(people);
   app.add_option("--background-share", arguments.background_share,
                  "share of the windows without people kept apart that pass the threshold; default 0.001")
       ->check(CLI::Range(0.0, 0.5));
@@ -225,6 +253,8 @@ int main(int argc, char** argv) {
   app.add_option("--seed", arguments.learning.seed, "default 1");
   try {
     app.parse(argc, argv);
+    if (arguments.folders.people.empty() && arguments.network_of.empty())
+      throw CLI::RequiredError("--people or --network-of");
     torch::set_num_threads(1);
     run(arguments);
   } catch (const CLI::ParseError& error) {

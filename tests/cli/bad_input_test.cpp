@@ -4,13 +4,13 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
 #include "flies/io/calibration.hpp"
 #include "run_flies.hpp"
+#include "spoilt_street.hpp"
 #include "street_pair.hpp"
 
 namespace fs = std::filesystem;
@@ -18,35 +18,10 @@ namespace fs = std::filesystem;
 namespace flies::testing {
 namespace {
 
-using Words = std::vector<std::string>;
-
-/// `flies detect` on the street of the test folder, writing out.jsonl and out.png.
-Words detect(const Words& more = {}, const std::string& left = "left.png", const std::string& right = "right.png") {
-  Words words = {"detect",    left,        right,     "--calib",        "calib.txt", "--json",
-                 "out.jsonl", "--overlay", "out.png", "--evolve.flies", "300",       "--evolve.generations",
-                 "0"};
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
-
-void write_image(const fs::path& path, const cv::Mat& image) { ASSERT_TRUE(cv::imwrite(path.string(), image)); }
-
 void write_pair_like(const fs::path& folder, int value) {
   const cv::Mat flat(240, 320, CV_8UC1, cv::Scalar(value));
   write_image(folder / "left.png", flat);
   write_image(folder / "right.png", flat);
-}
-
-void keep_first_bytes(const fs::path& path, double share) {
-  fs::resize_file(path, static_cast<std::uintmax_t>(share * static_cast<double>(fs::file_size(path))));
-}
-
-/// Two folders with this many pairs.
-void write_folders(const fs::path& folder, int left_count, int right_count) {
-  fs::create_directory(folder / "l");
-  fs::create_directory(folder / "r");
-  for (int i = 0; i < left_count; ++i) write_image(folder / "l" / (std::to_string(i) + ".png"), street_pair().left);
-  for (int i = 0; i < right_count; ++i) write_image(folder / "r" / (std::to_string(i) + ".png"), street_pair().right);
 }
 
 /// Turns the street of the test folder into the fault and gives the command that meets it.
@@ -331,65 +306,6 @@ TEST_P(BadInputs, EndWithOneLineAndStatus2) {
 
 INSTANTIATE_TEST_SUITE_P(Table, BadInputs, ::testing::ValuesIn(bad_inputs()),
                          [](const auto& row) { return std::string(row.param.name); });
-
-/// `flies detect` on folders with three pairs, one of which is spoilt, writing lines and pictures.
-class OneBadPair : public ::testing::TestWithParam<int> {
- protected:
-  OneBadPair() {
-    write_street(folder_.path());
-    write_folders(folder_.path(), 3, 3);
-  }
-  std::string name(const char* side) const { return side + std::string("/") + std::to_string(GetParam()) + ".png"; }
-  void expect_the_others(const std::string& named) const {
-    const RunResult result = run_flies(folder_.path(), detect({"--camera-height", "1.65"}, "l", "r"));
-    EXPECT_EQ(result.status, 2);
-    ASSERT_FALSE(lines(result.err).empty());
-    const std::string complaint = lines(result.err).back();
-    EXPECT_THAT(complaint, ::testing::StartsWith("flies: l: 1 of 3 pairs"));
-    EXPECT_THAT(complaint, ::testing::HasSubstr(named));
-    const auto records = lines(read_text(folder_.path() / "out.jsonl"));
-    ASSERT_EQ(records.size(), 3u);
-    for (int i = 0; i < 3; ++i) {
-      const auto record = nlohmann::json::parse(records[static_cast<std::size_t>(i)]);
-      EXPECT_EQ(record.at("frame"), i);
-      EXPECT_EQ(record.contains("error"), i == GetParam());
-      EXPECT_EQ(record.at("obstacles").empty(), i == GetParam());
-      EXPECT_EQ(fs::exists(folder_.path() / ("out_" + std::to_string(i) + ".png")), i != GetParam());
-    }
-  }
-
-  const TestFolder folder_;
-};
-
-TEST_P(OneBadPair, CostsThatPairWhenItIsDamaged) {
-  keep_first_bytes(folder_.path() / name("r"), 0.3);
-  expect_the_others(name("r"));
-}
-
-TEST_P(OneBadPair, CostsThatPairWhenItIsBlack) {
-  write_image(folder_.path() / name("l"), cv::Mat(240, 320, CV_8UC1, cv::Scalar(0)));
-  expect_the_others(name("l"));
-}
-
-TEST_P(OneBadPair, CostsThatPairWhenItsPicturesAreUnrelated) {
-  write_image(folder_.path() / name("r"), unrelated_picture());
-  expect_the_others(name("r"));
-}
-
-INSTANTIATE_TEST_SUITE_P(Place, OneBadPair, ::testing::Values(0, 1, 2));
-
-TEST(BadInputs, FoldersWithoutAGoodPairLeaveNothing) {
-  const TestFolder folder;
-  write_street(folder.path());
-  write_folders(folder.path(), 2, 2);
-  const auto before = folder.listing();
-  const RunResult swapped = run_flies(folder.path(), detect({}, "r", "l"));
-  EXPECT_EQ(swapped.status, 2);
-  EXPECT_THAT(swapped.err, ::testing::HasSubstr("no pair could be used"));
-  for (const char* pair : {"0.png", "1.png"}) keep_first_bytes(folder.path() / "l" / pair, 0.3);
-  EXPECT_EQ(run_flies(folder.path(), detect({}, "l", "r")).status, 2);
-  EXPECT_EQ(folder.listing(), before);
-}
 
 TEST(BadInputs, FullStandardOutputIsReported) {
   const TestFolder folder;

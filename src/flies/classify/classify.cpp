@@ -102,6 +102,11 @@ Roi averaged(const Roi& surest, std::span<const Roi> rois, std::span<const doubl
 
 }  // namespace
 
+ProposeOptions for_classifier(ProposeOptions options, const PeopleClassifier& classifier) {
+  if (options.step == 0.0) options.step = classifier.step();
+  return options;
+}
+
 double report_threshold(const PeopleClassifier& classifier, const ClassifyOptions& options) {
   check_options(options, kOptionsSource);
   const double offset = classifier.looks_twice() ? options.threshold_offset : options.one_stage_threshold_offset;

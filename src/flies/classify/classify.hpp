@@ -47,8 +47,8 @@ struct ClassifyOptions {
         "an obstacle whose boxes of the middle height are all less probable than this at the first of two looks is no "
         "person, and its other heights are not looked at; 0 looks at all");
     field("min_second_probability", self.min_second_probability, Range{0.0, 1.0},
-          "a place whose two surest boxes are both less probable than this by a model's second stage is no person, and "
-          "no more of its boxes are looked at; 0 looks at all");
+          "a place whose surest box is less probable than this by a model's second stage is no person, and no more of "
+          "its boxes are looked at; 0 looks at all");
     field("min_refined_probability", self.min_refined_probability, Range{0.0, 1.0},
           "a place one of whose boxes is more probable than this by a model's second stage is looked at again in boxes "
           "half a step beside that one, a little larger and smaller; 1 refines none");
@@ -64,6 +64,9 @@ struct ClassifyResult {
   std::vector<double> screened;         ///< the classifier's first look: one probability per ROI, 0 without a look
   std::vector<Pedestrian> pedestrians;  ///< nearest first
 };
+
+/// The options with boxes as far apart as the classifier shares what it computes between them, where `step` is 0.
+ProposeOptions for_classifier(ProposeOptions options, const PeopleClassifier& classifier);
 
 /// Finds the people among the boxes (Li 2010, IV): a cheap look at those of the middle height, and at the others
 /// of the obstacles that may be people; the surest box at each place on the ground; the classifier's last word on

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "flies/classify/hog.hpp"
 #include "flies/core/error.hpp"
 
 namespace flies {
@@ -278,13 +279,13 @@ TEST(FindPeople, LooksTwiceAtAFewBoxesOfAPlace) {
   EXPECT_NEAR(people[0].height_m, 1.61, 1e-9) << "the mean of what was looked at";
 }
 
-TEST(FindPeople, SeesTwoBoxesOfHopelessPlaces) {
+TEST(FindPeople, SeesOneBoxOfHopelessPlaces) {
   ClassifyOptions options = plain_looks();
   options.second_looks = 4;
   options.min_second_probability = 0.3;
-  const TwoLooks classifier({0.2, 0.2, 0.9, 0.9, 0.2, 0.9, 0.9, 0.9});
+  const TwoLooks classifier({0.2, 0.9, 0.9, 0.9, 0.9, 0.9, 0.9, 0.9});
   const auto people = find_people({}, boxes_at_two_places(4), classifier, options).pedestrians;
-  EXPECT_EQ(classifier.windows_seen, 2U + 4U);
+  EXPECT_EQ(classifier.windows_seen, 1U + 4U);
   ASSERT_EQ(people.size(), 1U);
   EXPECT_NEAR(people[0].y_m, 4.0, 1e-9);
 }
@@ -323,6 +324,17 @@ TEST(FindPeople, LooksBetweenTheBoxesWhereAPersonSeemsToBe) {
   EXPECT_LT(people[0].y_m, 0.0) << "right is negative";
   options.min_refined_probability = 0.5;
   EXPECT_TRUE(find_people({}, std::vector{roi}, KnowsWhere(), options).pedestrians.empty());
+}
+
+TEST(ForClassifier, PutsBoxesWhereTheFirstLookSharesItsFeatures) {
+  PeopleModel model;
+  model.hog.window_width_px = 40;
+  model.hog.window_height_px = 80;
+  model.linear.weights.assign(feature_count(model.hog), 0.0F);
+  const auto classifier = hog_classifier(model);
+  EXPECT_DOUBLE_EQ(for_classifier({}, *classifier).step, 0.1) << "8 of 80 px";
+  EXPECT_DOUBLE_EQ(for_classifier({.step = 0.3}, *classifier).step, 0.3) << "set by hand";
+  EXPECT_DOUBLE_EQ(for_classifier({}, FixedClassifier({})).step, step_between_boxes({})) << "it does not say";
 }
 
 TEST(ReportThreshold, StaysAProbability) {

@@ -134,12 +134,15 @@ TEST(ModelFile, RefusesConvolutionsThatDoNotFitByName) {
   EXPECT_THAT(error_with([](PeopleModel& m) { m.convolution->layers[0].largest = 0.0; }),
               HasSubstr("convolution.layer_1.largest"));
   EXPECT_THAT(error_with([](PeopleModel& m) { m.convolution->last.pop_back(); }), HasSubstr("convolution.last"));
-  EXPECT_THAT(error_with([](PeopleModel& m) {
-                m.hog.window_width_px = 64;
-                m.hog.window_height_px = 128;
-                m.linear.weights.assign(feature_count(m.hog), 0.25F);
-              }),
-              HasSubstr("hog"));
+}
+
+TEST(ModelFile, TakesConvolutionsBehindWindowsOfAnotherSize) {
+  PeopleModel model = convolution_model();
+  model.hog.window_width_px = 32;
+  model.hog.window_height_px = 64;
+  model.linear.weights.assign(feature_count(model.hog), 0.25F);
+  check_people_model(model, "model.json");
+  EXPECT_EQ(parse_people_model(people_model_text(model), "model.json").hog.window_height_px, 64);
 }
 
 std::string error_of(const std::string& text) {

@@ -154,6 +154,10 @@ class HogClassifier final : public PeopleClassifier {
     return has_second_stage(model_) ? probability(model_.linear.calibration, model_.linear.reject_below) : threshold();
   }
 
+  double step() const override {
+    return static_cast<double>(model_.hog.stride_px) / static_cast<double>(model_.hog.window_height_px);
+  }
+
   std::unique_ptr<PeopleLooks> look_at(const GrayView& image, std::span<const ImageBox> windows) const override {
     return std::make_unique<HogLooks>(model_, second_, image, windows);
   }

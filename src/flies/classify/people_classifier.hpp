@@ -56,6 +56,9 @@ class PeopleClassifier {
   /// Whether `classify` sees more than `screen` does.
   virtual bool looks_twice() const { return false; }
 
+  /// Distance between windows of one size, in their heights, at which the first look shares most between them.
+  virtual double step() const { return 1.0 / 12.0; }
+
   /// The same in turns, on one image. Probabilities differ by rounding from those of other ways to ask.
   /// @param image, windows outlive what is returned, as does the classifier
   virtual std::unique_ptr<PeopleLooks> look_at(const GrayView& image, std::span<const ImageBox> windows) const;

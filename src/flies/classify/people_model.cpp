@@ -59,12 +59,8 @@ void check_kernel(const KernelStage& kernel, std::size_t features, const Checker
   check.calibration("kernel.calibration", kernel.calibration);
 }
 
-void check_convolution(const ConvolutionStage& stage, const HogGeometry& hog, const Checker& check) {
+void check_convolution(const ConvolutionStage& stage, const Checker& check) {
   constexpr std::size_t kTaps = 9, kMaxChannels = 1024;
-  if (hog.window_width_px != kConvolutionWidth_px || hog.window_height_px != kConvolutionHeight_px)
-    check.fail("hog",
-               fmt::format("found windows of {} x {} px, expected {} x {} before convolutions", hog.window_width_px,
-                           hog.window_height_px, kConvolutionWidth_px, kConvolutionHeight_px));
   if (stage.layers.empty() || stage.layers.size() > kMaxConvolutionLayers)
     check.fail("convolution.layers",
                fmt::format("found {}, expected 1 to {}", stage.layers.size(), kMaxConvolutionLayers));
@@ -104,7 +100,7 @@ void check_people_model(const PeopleModel& model, const std::string& source) {
   if (model.kernel) check_kernel(*model.kernel, features, check);
   if (model.kernel && model.convolution)
     check.fail("convolution", "found beside a kernel machine, expected one of them");
-  if (model.convolution) check_convolution(*model.convolution, model.hog, check);
+  if (model.convolution) check_convolution(*model.convolution, check);
   if (!(model.threshold >= 0.0 && model.threshold <= 1.0))
     check.fail("threshold", fmt::format("found {}, expected 0 to 1", model.threshold));
 }

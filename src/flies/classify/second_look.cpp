@@ -153,16 +153,14 @@ Verdicts verdicts_of_one_look(std::span<const Roi> rois, std::span<const std::si
 
 Verdicts look_again(CheckedLooks& looks, std::span<const Roi> rois, std::span<const std::size_t> places,
                     std::span<const double> screened, double first_threshold, const ClassifyOptions& options) {
-  constexpr std::size_t kBoxesFirst = 2;
   const auto by_probability = surest_first(screened, first_threshold);
   SecondLook look(looks, rois, options);
   std::vector<Boxes> all, chosen;
   std::set<std::size_t> first, rest;
   for (const std::size_t surest : places) {
     all.push_back(boxes_around(surest, by_probability, rois, options));
-    chosen.push_back(all.back());
-    chosen.back().resize(std::min(kBoxesFirst, chosen.back().size()));
-    first.insert(chosen.back().begin(), chosen.back().end());
+    chosen.push_back({surest});
+    first.insert(surest);
   }
   look.classify(first);
   for (std::size_t place = 0; place < places.size(); ++place) {

@@ -30,7 +30,7 @@ struct Verdicts {
 Verdicts verdicts_of_one_look(std::span<const Roi> rois, std::span<const std::size_t> places,
                               std::span<const double> screened);
 
-/// The second look, at a few boxes of every place: two of them, the others where those are not hopeless, and where a
+/// The second look, at a few boxes of every place: the surest, the others where that is not hopeless, and where a
 /// person seems to be, finer ones between them. A person looks like one in the boxes beside the best one too; what only
 /// resembles a person does so in a box or two.
 /// @param places          the surest box of each

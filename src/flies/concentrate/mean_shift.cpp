@@ -74,6 +74,7 @@ std::vector<ShiftedPoint> shift_means(const std::vector<PixelPoint>& starts, con
                                       const ConcentrateOptions& options) {
   check_options(options, "concentrate options");
   std::vector<ShiftedPoint> points;
+  points.reserve(starts.size());
   for (const auto& start : starts) points.push_back({start, start});
   shift_means(fill_grid(flies, options.bandwidth_px), options, points);
   return points;

@@ -230,6 +230,7 @@ std::vector<Obstacle> whole_obstacles(std::span<const Obstacle> obstacles, const
   const auto added = unclaimed(things, surfaces, options);
   things.insert(things.end(), added.begin(), added.end());
   std::vector<Obstacle> whole;
+  whole.reserve(things.size());
   for (const auto& thing : things) whole.push_back(finish(thing, surfaces, projection, road));
   std::stable_sort(whole.begin(), whole.end(), [](const auto& a, const auto& b) { return a.range_m < b.range_m; });
   return whole;

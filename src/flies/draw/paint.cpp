@@ -26,7 +26,7 @@ cv::Scalar turbo(double fraction) {
   }();
   constexpr double kFirst = 25.0, kLast = 235.0;
   const double clamped = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
-  const auto color = colors.at<cv::Vec3b>(static_cast<int>(std::lround(kFirst + (kLast - kFirst) * clamped)));
+  const auto& color = colors.at<cv::Vec3b>(static_cast<int>(std::lround(kFirst + (kLast - kFirst) * clamped)));
   return {double(color[0]), double(color[1]), double(color[2])};
 }
 

@@ -226,7 +226,7 @@ EgoMotion EgoEstimator::follow(const RectifiedPair& given, double time_s) {
     throw InputError("pair", "time_s",
                      fmt::format("found {} after {}, expected times that advance", time_s, memory_->time_s));
   auto now = ego::prepare(pair, memory_->projection.disparity_offset_px(), memory_->options);
-  const EgoMotion ego = is_first ? EgoMotion{} : memory_->estimate(now, dt_s);
+  EgoMotion ego = is_first ? EgoMotion{} : memory_->estimate(now, dt_s);
   if (!ego.is_known) memory_->motion = {};
   memory_->before = std::move(now);
   memory_->time_s = time_s;

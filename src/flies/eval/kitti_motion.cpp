@@ -26,7 +26,7 @@ struct Arm {
 Arm read_arm(const std::filesystem::path& day) {
   const auto lidar_from_imu = read_number_table((day / "calib_imu_to_velo.txt").string()).require("T", 3);
   const NumberTable camera = read_number_table((day / "calib_velo_to_cam.txt").string());
-  const auto r = camera.require("R", 9), t = camera.require("T", 3);
+  const auto &r = camera.require("R", 9), &t = camera.require("T", 3);
   const auto camera_in_lidar = [&](std::size_t axis) {
     return -(r[axis] * t[0] + r[3 + axis] * t[1] + r[6 + axis] * t[2]);
   };

@@ -59,7 +59,7 @@ Point3 left_camera_offset(const std::vector<double>& p) {
 LidarPlace read_drive_place(const std::filesystem::path& day, int left_camera) {
   const NumberTable lidar = read_number_table((day / "calib_velo_to_cam.txt").string());
   const NumberTable cameras = read_number_table((day / "calib_cam_to_cam.txt").string());
-  const auto shift = lidar.require("T", 3);
+  const auto& shift = lidar.require("T", 3);
   return {matrix3(lidar.require("R", 9), 3),
           {shift[0], shift[1], shift[2]},
           matrix3(cameras.require("R_rect_00", 9), 3),
@@ -68,7 +68,7 @@ LidarPlace read_drive_place(const std::filesystem::path& day, int left_camera) {
 
 LidarPlace read_object_place(const std::filesystem::path& file) {
   const NumberTable calibration = read_number_table(file.string());
-  const auto lidar = calibration.require("Tr_velo_to_cam", 12);
+  const auto& lidar = calibration.require("Tr_velo_to_cam", 12);
   return {matrix3(lidar, 4),
           {lidar[3], lidar[7], lidar[11]},
           matrix3(calibration.require("R0_rect", 9), 3),

@@ -129,6 +129,7 @@ int row_contrast(const GrayView& left, const StereoPoint& point) {
   if (!(point.u_px > -0.5 && point.u_px < left.width_px - 0.5 && point.v_px > -0.5 &&
         point.v_px < left.height_px - 0.5))
     return 0;
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): above -0.5, as was asked
   const auto u = static_cast<int>(point.u_px + 0.5), v = static_cast<int>(point.v_px + 0.5);
   const std::uint8_t* row = left.row(v);
   const int first = std::max(std::min(u - kContrastWindow_px / 2, left.width_px - kContrastWindow_px), 0);

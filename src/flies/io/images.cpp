@@ -26,7 +26,7 @@ cv::Mat decode(const std::string& path) {
   const std::string bytes = read_file(path, kMaxBytes);
   const std::string fault = detail::image_file_fault(bytes);
   if (!fault.empty()) throw InputError(path, "", fault);
-  const cv::Mat image = decode_image(bytes);
+  cv::Mat image = decode_image(bytes);
   if (image.empty()) throw InputError(path, "", "is damaged or truncated: its pixels cannot be decoded");
   return image;
 }

@@ -43,9 +43,10 @@ cv::Mat colors(int seed, int width_px = 160, int height_px = 120) {
 cv::Mat mosaic_of(const cv::Mat& bgr, const std::string& pattern) {
   cv::Mat mosaic(bgr.size(), CV_8UC1);
   for (int v = 0; v < bgr.rows; ++v)
-    for (int u = 0; u < bgr.cols; ++u)
-      mosaic.at<std::uint8_t>(v, u) =
-          bgr.at<cv::Vec3b>(v, u)[static_cast<int>(std::string("bgr").find(pattern[v % 2 * 2 + u % 2]))];
+    for (int u = 0; u < bgr.cols; ++u) {
+      const char color = pattern[static_cast<std::size_t>(v % 2 * 2 + u % 2)];
+      mosaic.at<std::uint8_t>(v, u) = bgr.at<cv::Vec3b>(v, u)[static_cast<int>(std::string("bgr").find(color))];
+    }
   return mosaic;
 }
 

@@ -58,8 +58,8 @@ std::multimap<std::string, fs::path> stale_parts_in(const fs::path& folder) {
 
 void remove_stale_parts(const fs::path& target) noexcept {
   static std::mutex mutex;
-  static auto* const stale_of_folder = new std::map<fs::path, std::multimap<std::string, fs::path>>;
   try {
+    static auto* const stale_of_folder = new std::map<fs::path, std::multimap<std::string, fs::path>>;
     const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
     const std::scoped_lock lock(mutex);
     auto known = stale_of_folder->find(folder);

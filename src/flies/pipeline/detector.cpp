@@ -86,7 +86,8 @@ Detection Detector::detect(const RectifiedPair& pair, const std::optional<Planar
     return found;
   });
   d.rois = timed(d.stage_ms, Stage::propose, [&] {
-    return propose_rois(d.concentrate.obstacles, d.scan, projection_, road, width_px, height_px, options_.propose);
+    return propose_rois(d.concentrate.obstacles, d.scan, projection_, road, width_px, height_px,
+                        classifier_ ? for_classifier(options_.propose, *classifier_) : options_.propose);
   });
   d.pedestrians = timed(d.stage_ms, Stage::classify, [&] {
     if (!classifier_) {

@@ -243,7 +243,7 @@ TEST(Detector, RefusesAClassifierThatDoesNotAnswerForEveryWindow) {
   const auto process_with = [&](std::vector<double> answer) {
     Detector(camera(), {}, std::make_shared<Answering>(std::move(answer))).process(board.pair());
   };
-  const std::size_t windows = Detector(camera()).process(board.pair()).rois.size();
+  const std::size_t windows = Detector(camera(), {}, nullptr).process(board.pair()).rois.size();
   EXPECT_NO_THROW(process_with(std::vector<double>(windows, 0.1)));
   EXPECT_THAT([&] { process_with({0.9}); }, ThrowsMessage<InputError>(HasSubstr("answering: probabilities: found 1")));
   EXPECT_THAT([&] { process_with(std::vector<double>(windows, std::nan(""))); },

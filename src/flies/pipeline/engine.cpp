@@ -65,9 +65,9 @@ struct Engine::State {
 
   std::thread worker;  ///< last: it uses all of the above
 
-  State(const StereoCamera& camera_, const DetectorOptions& detector, const TrackerOptions& options,
+  State(const StereoCamera& own_camera, const DetectorOptions& detector, const TrackerOptions& options,
         std::shared_ptr<const PeopleClassifier> classifier)
-      : camera(camera_), tracker(camera_, detector, options, std::move(classifier)) {}
+      : camera(own_camera), tracker(own_camera, detector, options, std::move(classifier)) {}
 
   void run() {
     std::unique_ptr<OwnPair> pair;

@@ -146,11 +146,13 @@ class SeenKeys {
 
 }  // namespace
 
+double step_between_boxes(const ProposeOptions& options) { return options.step > 0.0 ? options.step : 1.0 / 12.0; }
+
 std::size_t max_rois_per_obstacle(const ProposeOptions& options) {
   constexpr double kAnyWidth_m = 1e9;
   std::size_t count = 0;
   for (const double height_m : person_heights(options)) {
-    const double step_m = options.step * height_m / options.person_share;
+    const double step_m = step_between_boxes(options) * height_m / options.person_share;
     count += static_cast<std::size_t>((2 * lateral_steps(kAnyWidth_m, step_m, options) + 1) *
                                       (2 * options.vertical_shifts + 1));
   }
@@ -177,6 +179,7 @@ std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Scan& s
   for (const Obstacle& stretch : scan_stretches(obstacles, scan, road, options)) places.push_back(stretch);
   const auto heights_m = person_heights(options);
   const auto downward = alternating(options.vertical_shifts);
+  const double step = step_between_boxes(options);
   std::vector<Roi> rois;
   SeenKeys seen;
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -187,8 +190,8 @@ std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Scan& s
     for (const double height_m : heights_m) {
       const Roi on_road = roi_at(feet, height_m, projection, options.person_share);
       if (on_road.person.height_px < options.min_person_px) continue;
-      const double step_m = options.step * height_m / options.person_share;
-      const double step_px = options.step * on_road.window.height_px, range_m = std::hypot(feet.x_m, feet.y_m);
+      const double step_m = step * height_m / options.person_share;
+      const double step_px = step * on_road.window.height_px, range_m = std::hypot(feet.x_m, feet.y_m);
       const SizeClass size(on_road.window.height_px, options.merge_step);
       for (const int left : alternating(lateral_steps(obstacle.width_m, step_m, options)))
         for (const int down : downward) {

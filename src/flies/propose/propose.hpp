@@ -31,7 +31,7 @@ struct ProposeOptions {
   double lateral_margin_m = 0.2;
   double max_lateral_m = 1.0;
   int vertical_shifts = 1;
-  double step = 1.0 / 12.0;
+  double step = 0.0;
   double person_share = 0.75;
   double min_person_px = 45.0;
   double min_obstacle_height_m = 0.6;
@@ -49,10 +49,9 @@ struct ProposeOptions {
           "how far from the obstacle's middle boxes are placed at most");
     field("vertical_shifts", self.vertical_shifts, Range{0, 8},
           "boxes above, and as many below, the one that stands on the road: range and road are uncertain");
-    field("step", self.step, Range{0.01, 1.0},
-          "distance between boxes side by side and one above the other, in heights of the window; at a twelfth they "
-          "share "
-          "the features of a window of 96 px in blocks 8 px apart");
+    field("step", self.step, Range{0.0, 1.0},
+          "distance between boxes side by side and one above the other, in heights of the window; 0: that at which "
+          "the classifier's first look shares its features between them");
     field("person_share", self.person_share, Range{0.3, 1.0},
           "height of the person over height of the window, as the classifier was trained");
     field("min_person_px", self.min_person_px, Range{8.0, 1000.0},
@@ -86,6 +85,9 @@ std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Scan& s
 
 /// @throws InputError naming `source` when an option is out of its range, or `min_height_m` exceeds `max_height_m`
 void check_propose_options(const ProposeOptions& options, const std::string& source);
+
+/// `options.step`, and where that is 0 a twelfth.
+double step_between_boxes(const ProposeOptions& options);
 
 /// The most boxes `propose_rois` makes for one obstacle.
 std::size_t max_rois_per_obstacle(const ProposeOptions& options);

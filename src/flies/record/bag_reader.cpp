@@ -12,7 +12,7 @@ namespace flies {
 namespace {
 
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
-enum Operation : std::uint8_t { message = 0x02, bag_header = 0x03, chunk = 0x05, connection = 0x07 };
+enum Operation : std::uint8_t { kMessage = 0x02, kBagHeader = 0x03, kChunk = 0x05, kConnection = 0x07 };
 
 /// `name=value` after its length, one after the other.
 std::optional<std::map<std::string, std::string, std::less<>>> fields_of(std::string_view header) {
@@ -105,23 +105,23 @@ std::string BagReader::unpacked(const Record& record) const {
 
 std::optional<RecordedMessage> BagReader::take(const Record& record, const MessagePlace& place) {
   switch (record.number("op")) {
-    case bag_header:
+    case kBagHeader:
       has_index_ = record.number("index_pos") != 0;
       break;
-    case connection: {
+    case kConnection: {
       const auto fields = fields_of(record.data);
       if (!fields || !fields->contains("type")) complain("a connection is damaged");
       connections_[record.number("conn")] = {record.text("topic"), fields->at("type")};
       break;
     }
-    case message: {
+    case kMessage: {
       const auto found = connections_.find(record.number("conn"));
       if (found == connections_.end()) complain("a message is of no connection");
       const std::uint64_t time = record.number("time");
       const std::uint64_t time_ns = (time & 0xFFFFFFFFU) * 1'000'000'000U + (time >> 32);
       return RecordedMessage{found->second.topic, found->second.type, "ros1", time_ns, record.data, place};
     }
-    case chunk:
+    case kChunk:
       chunk_ = {place.record, unpacked(record), 0};
       break;
     default:
@@ -152,7 +152,7 @@ std::optional<RecordedMessage> BagReader::next() {
 RecordedMessage BagReader::at(const MessagePlace& place) {
   if (chunk_at_.record != place.record || chunk_at_.records.empty()) {
     const auto record = read_record(place.record);
-    if (!record || record->number("op") != chunk) complain("has changed while it was read");
+    if (!record || record->number("op") != kChunk) complain("has changed while it was read");
     chunk_at_ = {place.record, unpacked(*record), 0};
   }
   chunk_at_.position = place.in_chunk;

@@ -207,6 +207,7 @@ Scan Scanner::scan(const RectifiedPair& given, const Projection& projection, con
 
   const Reading reading{layout_, points_, evidence_, projection, road, options};
   std::vector<ColumnScan> columns;
+  columns.reserve(static_cast<std::size_t>(layout_.columns));
   std::vector<double> memory;
   for (int column = 0; column < layout_.columns; ++column)
     columns.push_back(read_column(reading, column, labels[static_cast<std::size_t>(column)], field.x_max_m, memory));

@@ -70,6 +70,17 @@ std::vector<TrainingWindow> random_windows(const TrainingData& data, std::span<c
   return windows;
 }
 
+HogGeometry geometry_of(const TrainOptions& options) {
+  HogGeometry hog;
+  hog.window_height_px = options.window_height_px;
+  hog.window_width_px = options.window_height_px / 2;
+  const int blocks_px = 2 * hog.stride_px;
+  if (options.window_height_px % blocks_px != 0)
+    throw InputError("options", "window_height_px",
+                     fmt::format("found {}, expected a multiple of {}", options.window_height_px, blocks_px));
+  return hog;
+}
+
 /// One training: what it reads, and how it speaks.
 class Training {
  public:
@@ -101,7 +112,7 @@ class Training {
   Checkpoint& checkpoint_;
   const TrainingProgress& progress_;
   const Parts parts_;
-  const HogGeometry hog_;
+  const HogGeometry hog_ = geometry_of(options_);
 };
 
 WindowScorer scorer_of(const LinearStage& linear) {

@@ -102,6 +102,7 @@ struct TrainOptions {
   std::uint64_t seed = 1;
   int threads = 1;
   SvmKernel kernel = SvmKernel::linear;
+  int window_height_px = 96;
   double false_positive_rate = 1e-4;
   double validation_share = 0.2;
   bool refit = true;
@@ -116,6 +117,8 @@ struct TrainOptions {
     field("threads", self.threads, Range{0, 256},
           "worker threads, 0 for one per core; the model does not depend on it");
     field("kernel", self.kernel, "linear: one machine; rbf: a second one with a Gaussian kernel behind it");
+    field("window_height_px", self.window_height_px, Range{32, 512},
+          "height that windows are resized to, twice their width, a multiple of 16; lower ones are looked at sooner");
     field("false_positive_rate", self.false_positive_rate, Range{0.0, 1.0},
           "the threshold lets this share of the validation windows without people through");
     field("validation_share", self.validation_share, Range{0.01, 0.9},

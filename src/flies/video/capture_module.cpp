@@ -7,7 +7,6 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
-#include <utility>
 
 #include "flies/video/capture.hpp"
 
@@ -15,7 +14,7 @@ namespace {
 
 class OpenCvCapture final : public flies::Capture {
  public:
-  explicit OpenCvCapture(cv::VideoCapture capture) : capture_(std::move(capture)) {}
+  explicit OpenCvCapture(const cv::VideoCapture& capture) : capture_(capture) {}
 
   bool read(flies::GrayImage& image) override {
     try {
@@ -99,7 +98,7 @@ extern "C" flies::Capture* flies_open_capture(const flies::CaptureRequest& reque
     cv::VideoCapture capture = kind == flies::SourceKind::device   ? open_device(request)
                                : kind == flies::SourceKind::stream ? open_stream(request.source)
                                                                    : open_file(request.source);
-    return capture.isOpened() ? new OpenCvCapture(std::move(capture)) : nullptr;
+    return capture.isOpened() ? new OpenCvCapture(capture) : nullptr;
   } catch (const std::exception&) {
     return nullptr;
   }

@@ -2,7 +2,6 @@
 #include <exception>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/videoio.hpp>
-#include <utility>
 
 #include "flies/video/film.hpp"
 
@@ -10,7 +9,7 @@ namespace {
 
 class OpenCvFilm final : public flies::FilmEncoder {
  public:
-  explicit OpenCvFilm(cv::VideoWriter writer) : writer_(std::move(writer)) {}
+  explicit OpenCvFilm(const cv::VideoWriter& writer) : writer_(writer) {}
   void add(const cv::Mat& picture) override { writer_.write(picture); }
 
  private:
@@ -24,7 +23,7 @@ extern "C" flies::FilmEncoder* flies_open_film(const std::string& path, double r
   try {
     for (const int code : {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')}) {
       cv::VideoWriter writer(path, cv::CAP_FFMPEG, code, rate_hz, size);
-      if (writer.isOpened()) return new OpenCvFilm(std::move(writer));
+      if (writer.isOpened()) return new OpenCvFilm(writer);
     }
   } catch (const std::exception&) {
   }

@@ -73,8 +73,8 @@ class HttplibServer final : public flies::WebServer {
       answer = {.status = 500, .body = std::string("internal error: ") + error.what() + "\n"};
     }
     response.status = answer.status;
-    for (const auto& [name, value] : answer.headers) response.set_header(name.c_str(), value);
-    response.set_content(answer.body, answer.type.c_str());
+    for (const auto& [name, value] : answer.headers) response.set_header(name, value);
+    response.set_content(answer.body, answer.type);
   }
 
   flies::WebHandler handler_;
