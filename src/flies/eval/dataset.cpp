@@ -224,6 +224,25 @@ void add_moments(const fs::path& folder, Dataset& dataset) {
   dataset.is_sequence = true;
 }
 
+/// The camera of a scene by its name: that of all, or of `calib/NAME.yaml`, for scenes of several cameras.
+std::function<StereoCamera(const std::string&)> camera_of_scenes(const fs::path& folder, const DatasetRequest& request,
+                                                                 Dataset& dataset) {
+  const fs::path calibrations = folder / "calib";
+  if (!request.calib.empty() || !fs::is_directory(calibrations))
+    return [camera = shared_camera(folder, request, dataset)](const std::string&) { return camera; };
+  CalibrationRequest wanted = calibration_request(request);
+  const auto camera_of = [calibrations](const std::string& name, const CalibrationRequest& with) {
+    const std::string file = (calibrations / (name + ".yaml")).string();
+    const Calibration calibration = load_calibration(file, with);
+    if (calibration.rectifier) refuse_raw(file);
+    return calibration.camera;
+  };
+  const StereoCamera first = camera_of(stem_of(dataset.pairs.front().left), wanted);
+  if (const auto mount = mount_from_road(dataset.pairs, first, request, dataset.notes))
+    wanted = with_mount(wanted, *mount);
+  return [camera_of, wanted](const std::string& name) { return camera_of(name, wanted); };
+}
+
 Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
   refuse_cameras(folder, request);
   Dataset dataset{.kind = TruthKind::scenes};
@@ -234,13 +253,17 @@ Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
   if (truths != dataset.pairs.size())
     throw InputError((folder / "truth").string(), "",
                      fmt::format("found {} JSON files, expected {}, one a pair", truths, dataset.pairs.size()));
-  const StereoCamera camera = shared_camera(folder, request, dataset);
+  const auto camera_of = camera_of_scenes(folder, request, dataset);
   if (fs::exists(folder / "times.txt")) add_moments(folder, dataset);
-  dataset.load = [folder, camera, pairs = dataset.pairs](std::size_t i) {
-    TruthFrame frame{load_images(pairs[i], camera), camera,
-                     read_scene_truth(folder / "truth" / (stem_of(pairs[i].left) + ".json"))};
+  dataset.load = [folder, camera_of, pairs = dataset.pairs](std::size_t i) {
+    const std::string name = stem_of(pairs[i].left);
+    StereoCamera camera = camera_of(name);
+    TruthFrame frame{load_images(pairs[i], camera), {}, read_scene_truth(folder / "truth" / (name + ".json"))};
+    camera.width_px = frame.images.left.width_px;
+    camera.height_px = frame.images.left.height_px;
+    frame.camera = camera;
     frame.truth.frame = static_cast<int>(i);
-    if (const fs::path map = folder / "disparity" / (stem_of(pairs[i].left) + ".png"); fs::exists(map))
+    if (const fs::path map = folder / "disparity" / (name + ".png"); fs::exists(map))
       frame.truth.map = read_disparity_map(map, camera);
     return frame;
   };

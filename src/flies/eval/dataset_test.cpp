@@ -71,6 +71,22 @@ TEST(OpenDataset, ReadsScenes) {
   EXPECT_TRUE(frame.truth.objects[0].visible);
 }
 
+TEST(OpenDataset, ReadsACalibrationASceneWhereScenesHaveThem) {
+  const Folder folder;
+  for (const int i : {1, 2}) folder.add_scene(i);
+  folder.add("calib/1.yaml", kCalibration);
+  folder.add("calib/2.yaml", "fx_px: 70\ncx_px: 40\ncy_px: 30\nbaseline_m: 0.5\nwidth_px: 80\nheight_px: 60\n");
+  const Dataset dataset = open_dataset(folder.path());
+  EXPECT_EQ(dataset.load(0).camera.fx_px, 60);
+  EXPECT_EQ(dataset.load(1).camera.fx_px, 70);
+  EXPECT_EQ(dataset.load(1).camera.width_px, 80);
+  DatasetRequest request;
+  request.calib = folder.path("calib/1.yaml");
+  EXPECT_EQ(open_dataset(folder.path(), request).load(1).camera.fx_px, 60);
+  fs::remove(folder.path("calib/2.yaml"));
+  EXPECT_THAT(error_of([&] { dataset.load(1); }), HasSubstr("2.yaml"));
+}
+
 TEST(OpenDataset, TakesTheMountFromTheRoadOnRequest) {
   const StereoCamera camera{.fx_px = 400,
                             .fy_px = 400,

@@ -114,6 +114,22 @@ Scan dense_scan(const DenseRanges& ranges, int points, const DenseOptions& dense
   return scan;
 }
 
+std::vector<float> dense_disparity(const RectifiedPair& pair, const StereoCamera& camera, DenseMatcher matcher,
+                                   double near_m) {
+  check_pair(pair);
+  check_camera_fits(camera, pair.left.width_px, pair.left.height_px, "camera");
+  const Projection projection(camera);
+  const cv::Mat found = match(pair, projection, matcher, near_m);
+  std::vector<float> disparity_px;
+  for (int v = 0; v < found.rows; ++v)
+    for (int u = 0; u < found.cols; ++u) {
+      const double value_px = found.at<std::int16_t>(v, u) / kFixedPoint;
+      disparity_px.push_back(value_px > projection.disparity_offset_px() ? static_cast<float>(value_px)
+                                                                         : std::numeric_limits<float>::quiet_NaN());
+    }
+  return disparity_px;
+}
+
 DenseDetection detect_densely(const RectifiedPair& pair, const StereoCamera& camera, DenseMatcher matcher,
                               const DetectorOptions& options, const DenseOptions& dense, const MatchOptions& standing,
                               double sector_deg) {

@@ -64,6 +64,13 @@ struct DenseRanges {
 /// The nearest range that `points` of a sector share, as a scan: where so many never do, the sector is free.
 Scan dense_scan(const DenseRanges& ranges, int points, const DenseOptions& dense = {});
 
+/// Matches the pair densely as `detect_densely` does.
+/// @param near_m depth of the nearest thing that is looked for
+/// @returns the disparity of every left pixel, row by row, NaN where there is none
+/// @throws InputError when the images are empty, differ in size or do not fit the camera
+std::vector<float> dense_disparity(const RectifiedPair& pair, const StereoCamera& camera, DenseMatcher matcher,
+                                   double near_m);
+
 /// What dense matching found in a pair.
 struct DenseDetection {
   std::vector<Obstacle> obstacles;  ///< nearest first

@@ -70,6 +70,15 @@ TEST_P(DetectDensely, FindsABoardAtItsRange) {
   }
 }
 
+TEST_P(DetectDensely, HasTheDisparityOfTheBoardsPixels) {
+  const auto disparity_px = dense_disparity(pair.view(), camera(), GetParam(), 5.0);
+  ASSERT_EQ(disparity_px.size(), 400U * 200U);
+  // The middle of the board; its disparity is 16 px, that of what is behind it 3.3.
+  EXPECT_NEAR(disparity_px[128 * 400 + 200], 16.0, 0.25);
+  EXPECT_NEAR(disparity_px[40 * 400 + 200], 400 * 0.5 / kFar_m, 1.0) << "unblurred texture moves by whole pixels";
+  EXPECT_TRUE(std::isnan(disparity_px[40 * 400])) << "the right image does not show it";
+}
+
 TEST_P(DetectDensely, ScansTheBoard) {
   const DenseDetection dense = detect_densely(pair.view(), camera(), GetParam(), options);
   const Scan scan = dense_scan(dense.ranges, 25);

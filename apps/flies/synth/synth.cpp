@@ -22,6 +22,8 @@
 #include "shared/progress_bar.hpp"
 #include "shared/staged_folder.hpp"
 #include "shared/standard_output.hpp"
+#include "synth/pasted_pairs.hpp"
+#include "synth/synth_output.hpp"
 
 namespace {
 
@@ -34,9 +36,12 @@ struct SynthArguments {
   bool force = false;
   std::string options_file;
   std::vector<std::pair<std::string, std::string>> overrides;  ///< name and text, in the order of the command line
+  std::string paste, onto;                                     ///< folders; empty: scenes are drawn
+  int start = 0, step = 1;
 };
 
-flies::SceneOptions with_settings(flies::SceneOptions options, const SynthArguments& arguments) {
+template <class Options>
+Options with_settings(Options options, const SynthArguments& arguments) {
   if (!arguments.options_file.empty())
     for (const auto& setting : flies::load_options_yaml(arguments.options_file))
       flies::set_option(options, setting.path, setting.text, setting.source);
@@ -46,7 +51,7 @@ flies::SceneOptions with_settings(flies::SceneOptions options, const SynthArgume
 
 /// What is not set is as the place usually has it.
 flies::SceneOptions effective_options(const SynthArguments& arguments) {
-  return with_settings(flies::scene_defaults(with_settings({}, arguments).kind), arguments);
+  return with_settings(flies::scene_defaults(with_settings(flies::SceneOptions{}, arguments).kind), arguments);
 }
 
 void write_color_png(const std::string& path, const flies::ColorImage& image) {
@@ -55,20 +60,6 @@ void write_color_png(const std::string& path, const flies::ColorImage& image) {
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
   flies::write_png(path, bgr);
-}
-
-/// KITTI's disparity map: 16 bits, disparity times 256, 0 where there is none.
-void write_disparity_png(const std::string& path, const flies::PixelTruth& truth) {
-  cv::Mat image(truth.height_px, truth.width_px, CV_16UC1);
-  for (int v = 0; v < truth.height_px; ++v) {
-    for (int u = 0; u < truth.width_px; ++u) {
-      const float disparity_px = truth.disparity_px[truth.index(u, v)];
-      const bool is_known = std::isfinite(disparity_px) && disparity_px > 0.0F;
-      image.at<std::uint16_t>(v, u) =
-          is_known ? static_cast<std::uint16_t>(std::clamp(std::lround(disparity_px * 256.0F), 1L, 65535L)) : 0;
-    }
-  }
-  flies::write_png(path, image);
 }
 
 void write_frame(const StagedFolder& folder, int frame, const flies::RenderedPair& pair,
@@ -171,6 +162,27 @@ void run_synth(const SynthArguments& arguments) {
   print(summary(arguments, frames, obstacles, people));
 }
 
+void run_paste(const SynthArguments& arguments) {
+  // Only what pasting has: the options of drawn scenes are unknown to it.
+  const auto options = with_settings(flies::PasteOptions{}, arguments);
+  PastedPairs pairs(arguments.paste, arguments.onto, options);
+  const auto frames = pairs.choose(arguments.start, arguments.step, arguments.frames);
+  StagedFolder folder(arguments.folder,
+                      {"left", "right", "disparity", "label_2", "truth", "calib", "calib.yaml", "scene.yaml"},
+                      arguments.force);
+  {
+    ProgressBar progress(frames.size());
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      pairs.write(folder, i, frames[i]);
+      progress.show(i + 1);
+    }
+  }
+  pairs.write_cameras(folder);
+  flies::write_file(folder.path("scene.yaml"), flies::options_yaml(flies::list_options(options)));
+  folder.commit();
+  print(pairs.summary(arguments.folder));
+}
+
 }  // namespace
 
 void setup_synth(CLI::App& app) {
@@ -188,6 +200,22 @@ void setup_synth(CLI::App& app) {
       ->check(CLI::Range(0.5, 1000.0))
       ->needs(sequence)
       ->type_name("HZ");
+  CLI::Option* paste = command->add_option("--paste", arguments->paste,
+                                           "folder of people to paste into real pairs instead: crops of one upright "
+                                           "person each, with or without masks (NAME_mask.png)");
+  paste->excludes(sequence)->type_name("DIR");
+  CLI::Option* onto = command->add_option("--onto", arguments->onto,
+                                          "the pairs to paste into: a folder with truth, as `flies evaluate` reads it");
+  onto->needs(paste)->type_name("DIR");
+  paste->needs(onto);
+  command->add_option("--start", arguments->start, "first of these pairs, from 0")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(onto)
+      ->type_name("N");
+  command->add_option("--step", arguments->step, "every so many of them")
+      ->check(CLI::PositiveNumber)
+      ->needs(onto)
+      ->type_name("N");
   command->add_option("--threads", arguments->threads, "worker threads, 0 for one per core; pixels do not depend on it")
       ->check(CLI::Range(0, 256))
       ->type_name("N");
@@ -215,12 +243,16 @@ void setup_synth(CLI::App& app) {
       "with\n"
       "a camera of their own: 640 x 480 px, focal_px 450, baseline_m 0.12 (woods 0.2), camera_height_m 1, 0.5, 7 and\n"
       "0.3, pitch_deg 10, 5, 0 and 3, fewer people, indoors no sun.\n"
+      "\n--paste puts people into real pairs: same files, grey; of the options below --seed, --people,\n"
+      "--people_min_range_m (8), --people_max_range_m (24) and --noise_gray. --frames beyond the pairs goes round\n"
+      "again, with others. Pairs of several cameras have OUT/calib/000000.yaml ... instead of OUT/calib.yaml.\n"
       "\nExamples:\n"
       "  flies synth street                                  one town street\n"
       "  flies synth crowd --frames 20 --seed 7 --people 15  twenty busier ones\n"
       "  flies synth one --scene pedestrian --people_min_range_m 15.5\n"
       "  flies synth room --scene room --frames 5            what a robot 1 m high sees; also aisle, woods, pavement\n"
       "  flies synth drive --sequence --seed 3               six seconds of driving, 10 pairs each\n"
+      "  flies synth pasted --paste people/crops --onto kitti/stereo2012 --start 1 --step 2\n"
       "\nExit status: 0 done, 2 a fault in the options or a folder that cannot be written.");
-  command->callback([arguments] { run_synth(*arguments); });
+  command->callback([arguments] { arguments->paste.empty() ? run_synth(*arguments) : run_paste(*arguments); });
 }

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "flies/core/stereo_camera.hpp"
+#include "flies/eval/dataset.hpp"
+#include "flies/synth/cut_out.hpp"
+#include "flies/synth/paste.hpp"
+#include "shared/staged_folder.hpp"
+
+/// Real pairs with people pasted in, for `flies synth --paste`.
+class PastedPairs {
+ public:
+  /// @throws flies::InputError when either folder cannot be read
+  PastedPairs(const std::string& people, const std::string& pairs, const flies::PasteOptions& options);
+
+  /// Numbers of the pairs of a run: from `start` on every `step`-th, `frames` of them, which go round again when there
+  /// are fewer.
+  /// @throws flies::InputError when there is none
+  std::vector<std::size_t> choose(int start, int step, std::optional<int> frames) const;
+
+  /// Pastes people into a pair and writes both images, truth, labels and, where the pair has one, its disparity map.
+  /// @param frame number of the pair in the result
+  void write(const StagedFolder& folder, std::size_t frame, std::size_t pair);
+
+  /// The calibration of what was written: one, or one a pair when they differ.
+  void write_cameras(const StagedFolder& folder) const;
+
+  /// What to tell the user at the end.
+  std::string summary(const std::string& folder) const;
+
+ private:
+  flies::Dataset dataset_;
+  flies::CutOuts cut_outs_;
+  flies::PasteOptions options_;
+  std::vector<flies::StereoCamera> cameras_;  ///< of the pairs that were written
+  std::size_t people_ = 0;
+};
