@@ -109,9 +109,7 @@ std::string name_of(std::size_t frame) { return fmt::format("{:06}", frame); }
 }  // namespace
 
 PastedPairs::PastedPairs(const std::string& people, const std::string& pairs, const flies::PasteOptions& options)
-    : dataset_(open_pairs(pairs)),
-      cut_outs_(flies::load_cut_outs(people)),
-      options_(options) {
+    : dataset_(open_pairs(pairs)), cut_outs_(flies::load_cut_outs(people)), options_(options) {
   say_notes(dataset_.notes);
 }
 

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr const char* kMaskEnding = "_mask";
 constexpr int kLeastPixels = 64;
 constexpr int kLeastSide_px = 8;
-constexpr double kExtreme = 0.05;  // of a person's pixels
+constexpr double kExtreme = 0.05;   // of a person's pixels
 constexpr int kRounds = 4;          // of graph cuts; the mask hardly moves after three
 constexpr double kSmooth_px = 0.6;  // standard deviation of the mask's soft edge, in crops whose person is 96 px tall
 
