@@ -193,6 +193,7 @@ PairEvidence gather_pair_evidence(const RectifiedPair& pair, const StereoCamera&
   const int reach_px = left.width_px / kSearchFraction;
 
   PairEvidence evidence;
+  if (left.width_px < kPatchWidth_px || left.height_px < kPatchHeight_px) return evidence;  // nothing to compare
   std::vector<double> upper_px, lower_px;
   for (int row = 0; row < kGridRows; ++row) {
     const int v = (left.height_px - kPatchHeight_px) * (2 * row + 1) / (2 * kGridRows);

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "flies/io/image_decoders.hpp"
 #include "flies/io/temporary_folder.hpp"
 
 namespace flies {
@@ -58,6 +59,13 @@ TEST(DecodePnm, TakesTheShortestTextsAndNoneThatPromisesMore) {
   EXPECT_EQ(decode_image("P3\n1 1\n9\n1 2 3").size(), cv::Size(1, 1));
   EXPECT_TRUE(decode_image("P1\n3 2\n10101").empty());
   EXPECT_TRUE(decode_image("P3\n32000 32000\n255\n1 2 3 4 5 6 7 8 9\n").empty());
+}
+
+TEST(IsTooLarge, KnowsWhatBytesCanHold) {
+  EXPECT_FALSE(detail::is_too_large(1242.0, 375.0, 100)) << "one level, deflated";
+  EXPECT_TRUE(detail::is_too_large(1242.0, 375.0, 50));
+  EXPECT_TRUE(detail::is_too_large(30000.0, 30000.0, 114)) << "found by fuzzing: a TIFF that asked for 3.5 GB";
+  EXPECT_TRUE(detail::is_too_large(1e5, 1e5, std::size_t{1} << 30));
 }
 
 TEST(DecodeImage, ReadsTextPixmaps) {

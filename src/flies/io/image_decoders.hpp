@@ -9,6 +9,13 @@ namespace flies::detail {
 /// Larger images than this are a mistake in the file, and would ask for absurd amounts of memory.
 constexpr double kMaxPixels = 1 << 30;
 
+/// Whether a compressed image of this size is a mistake: larger than any, or more pixels than its bytes can hold.
+/// Deflate makes at most 1032 bytes of one, and of these each has at most eight pixels.
+constexpr bool is_too_large(double width, double height, std::size_t bytes) {
+  constexpr double kMostPixelsAByte = 1032.0 * 8.0;
+  return width * height > kMaxPixels || width * height > kMostPixelsAByte * static_cast<double>(bytes);
+}
+
 /// Bytes of a row of pixels in a Windows bitmap, whose rows end at multiples of four.
 constexpr std::size_t row_bytes_of_bmp(int width, int bits_a_pixel) {
   return (static_cast<std::size_t>(width) * static_cast<std::size_t>(bits_a_pixel) + 31) / 32 * 4;

@@ -62,7 +62,7 @@ bool read_image(Decoder& d, std::string_view bytes) {
   jpeg_create_decompress(&d.jpeg);
   jpeg_mem_src(&d.jpeg, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
   jpeg_read_header(&d.jpeg, TRUE);
-  if (static_cast<double>(d.jpeg.image_width) * d.jpeg.image_height > detail::kMaxPixels) return false;
+  if (detail::is_too_large(d.jpeg.image_width, d.jpeg.image_height, bytes.size())) return false;
   // Inks of four colours have none of grey; libjpeg converts all others.
   d.jpeg.out_color_space = d.jpeg.num_components == 1 ? JCS_GRAYSCALE : d.jpeg.num_components == 4 ? JCS_CMYK : JCS_RGB;
   jpeg_start_decompress(&d.jpeg);

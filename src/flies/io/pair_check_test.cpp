@@ -37,6 +37,14 @@ GrayImage blocks(std::uint64_t seed, int disparity_px) {
   return image;
 }
 
+TEST(GatherPairEvidence, SaysNothingOfImagesLowerThanAPatch) {
+  const std::vector<std::uint8_t> levels(64 * 5, 100);
+  const GrayView image{levels.data(), 64, 5, 64};
+  EXPECT_EQ(gather_pair_evidence({image, image}, kCamera).patches, 0);
+  const GrayView narrow{levels.data(), 5, 64, 5};
+  EXPECT_EQ(gather_pair_evidence({narrow, narrow}, kCamera).patches, 0);
+}
+
 TEST(GatherPairEvidence, TellsNearFromBeyondAndDistant) {
   const auto left = blocks(1, 0);
   const auto evidence_at = [&](int disparity_px, double cx_right_px) {

@@ -69,7 +69,7 @@ bool read_image(Reader& r) {
   png_set_read_fn(r.png, &r.source, read_bytes);
   png_read_info(r.png, r.info);
   const png_uint_32 width = png_get_image_width(r.png, r.info), height = png_get_image_height(r.png, r.info);
-  if (static_cast<double>(width) * height > detail::kMaxPixels) return false;
+  if (detail::is_too_large(width, height, r.source.bytes.size())) return false;
   // Levels as they are in the file, palettes and fractions of a byte apart. Nothing is seen through.
   png_set_expand(r.png);
   png_set_strip_alpha(r.png);

@@ -171,8 +171,7 @@ cv::Mat decode_tiff(std::string_view bytes) {
   const File file = open_file(source);
   if (!file) return {};
   const Layout layout = layout_of(file.get());
-  if (layout.width == 0 || layout.height == 0 || static_cast<double>(layout.width) * layout.height > kMaxPixels)
-    return {};
+  if (layout.width == 0 || layout.height == 0 || is_too_large(layout.width, layout.height, bytes.size())) return {};
   const int depth = depth_of(layout);
   const cv::Mat image = depth >= 0 ? plain_samples(file.get(), layout, depth) : converted_samples(file.get(), layout);
   return source.has_bad_jpeg ? cv::Mat() : image;
