@@ -116,11 +116,13 @@ TEST(LoadCalibration, ScalesAFileWithoutASizeToHalfImagesAndSaysSo) {
   EXPECT_THAT(error_of([&] { load(900, 500); }), HasSubstr("--calib-size"));
 }
 
+constexpr const char* kKittiWithoutSize =
+    "P0: 721.5377 0 609.5593 0 0 721.5377 172.854 0 0 0 1 0\n"
+    "P1: 721.5377 0 609.5593 -387.5744 0 721.5377 172.854 0 0 0 1 0\n";
+
 TEST(LoadCalibration, RefusesImagesOfAnotherShapeThanKittis) {
   const TemporaryFolder folder;
-  const auto file = folder.write("calib.txt",
-                                 "P0: 721.5377 0 609.5593 0 0 721.5377 172.854 0 0 0 1 0\n"
-                                 "P1: 721.5377 0 609.5593 -387.5744 0 721.5377 172.854 0 0 0 1 0\n");
+  const auto file = folder.write("calib.txt", kKittiWithoutSize);
   CalibrationRequest request;
   request.width_px = 1024;
   request.height_px = 320;
@@ -163,9 +165,7 @@ TEST(LoadCalibration, GoesOnWithImagesWhoseRowsWereCutOffAndSaysSo) {
 
 TEST(LoadCalibration, AsksWhetherImagesOfAnUnsizedCameraLieOnTheirSide) {
   const TemporaryFolder folder;
-  const auto file = folder.write("calib.txt",
-                                 "P0: 721.5377 0 609.5593 0 0 721.5377 172.854 0 0 0 1 0\n"
-                                 "P1: 721.5377 0 609.5593 -387.5744 0 721.5377 172.854 0 0 0 1 0\n");
+  const auto file = folder.write("calib.txt", kKittiWithoutSize);
   CalibrationRequest request;
   request.width_px = 375;
   request.height_px = 1242;

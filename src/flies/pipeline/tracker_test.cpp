@@ -55,7 +55,7 @@ struct Scene {
 };
 
 TEST(Tracker, GivesAMovingBoardItsVelocityBeforeAStandingBackdrop) {
-  Tracker tracker(camera(), {}, {}, nullptr);  // what a classifier makes of noise is nobody's business
+  Tracker tracker(camera(), {}, {}, nullptr);  // none: noise may look like a person
   Tracking now;
   std::uint64_t id = 0;
   for (int i = 0; i < 12; ++i) {
