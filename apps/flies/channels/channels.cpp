@@ -6,8 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "flies/classify/base64.hpp"
-#include "flies/io/image_codecs.hpp"
+#include "flies/core/base64.hpp"
 #include "live/live_outputs.hpp"
 
 namespace {
@@ -17,7 +16,6 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kWorld = "world";
 constexpr const char* kVehicle = "vehicle";
 constexpr const char* kCamera = "left_camera";
-constexpr int kPictureQuality = 95;
 
 Json number(double value, double scale = 1e4) {
   return std::isfinite(value) ? Json(std::round(value * scale) / scale + 0.0) : Json(0.0);
@@ -47,13 +45,18 @@ struct Stamped {
   const flies::Detection& detection() const { return frame.snapshot->tracking.detection; }
 };
 
-Json image(const Stamped& at, const flies::GrayImage& gray) {
-  const cv::Mat pixels(gray.height_px, gray.width_px, CV_8UC1, const_cast<std::uint8_t*>(gray.pixels.data()));
-  const auto bytes = flies::encode_jpeg(pixels, kPictureQuality);
+/// The message with the bytes as its "data". Base64 needs no escaping, which a JSON writer would look for digit by
+/// digit.
+std::string with_data(const Json& message, const auto& bytes) {
+  std::string text = message.dump();
+  text.back() = ',';
+  return text + R"("data":")" + flies::to_base64(bytes) + R"("})";
+}
+
+std::string image(const Stamped& at, const std::vector<std::uint8_t>& jpeg) {
   Json message = at.in(kCamera);
-  message["data"] = flies::to_base64({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   message["format"] = "jpeg";
-  return message;
+  return with_data(message, jpeg);
 }
 
 Json calibration(const Stamped& at, bool is_right) {
@@ -124,7 +127,7 @@ Json laser_scan(const Stamped& at) {
   return message;
 }
 
-Json point_cloud(const Stamped& at) {
+std::string point_cloud(const Stamped& at) {
   static_assert(std::endian::native == std::endian::little, "packed elements are little-endian");
   const flies::Population& flies = at.detection().evolved.flies;
   constexpr int kFloat32 = 7;
@@ -143,8 +146,7 @@ Json point_cloud(const Stamped& at) {
     offset += static_cast<int>(sizeof(float));
   }
   message["fields"] = std::move(fields);
-  message["data"] = flies::to_base64(bytes);
-  return message;
+  return with_data(message, bytes);
 }
 
 /// A track as a box of its size, with its number and, where it moves, an arrow as long as its way in a second.
@@ -217,34 +219,34 @@ Json camera_transform(const Stamped& at) {
   return transform(at, kVehicle, kCamera, vector3(0, 0, mount.height_m), rotation);
 }
 
-Json message_of(Channel channel, const Stamped& at) {
+std::string message_of(Channel channel, const Stamped& at) {
   const GroundPose& pose = at.frame.pose;
   switch (channel) {
     case Channel::left:
-      return image(at, at.frame.pair->images.left);
+      return image(at, left_jpeg(at.frame));
     case Channel::right:
-      return image(at, at.frame.pair->images.right);
+      return image(at, picture_jpeg(at.frame.pair->images.right));
     case Channel::left_calibration:
-      return calibration(at, false);
+      return calibration(at, false).dump();
     case Channel::right_calibration:
-      return calibration(at, true);
+      return calibration(at, true).dump();
     case Channel::annotations:
-      return annotations(at);
+      return annotations(at).dump();
     case Channel::scan:
-      return laser_scan(at);
+      return laser_scan(at).dump();
     case Channel::flies:
       return point_cloud(at);
     case Channel::scene:
-      return scene(at);
+      return scene(at).dump();
     case Channel::pose: {
       Json message = at.in(kWorld);
       message["pose"] = pose_at(pose.x_m, pose.y_m, 0, pose.yaw_rad);
-      return message;
+      return message.dump();
     }
     case Channel::vehicle_transform:
-      return transform(at, kWorld, kVehicle, vector3(pose.x_m, pose.y_m, 0), turned(pose.yaw_rad));
+      return transform(at, kWorld, kVehicle, vector3(pose.x_m, pose.y_m, 0), turned(pose.yaw_rad)).dump();
     case Channel::camera_transform:
-      return camera_transform(at);
+      return camera_transform(at).dump();
     case Channel::record:
     case Channel::log:
       break;
@@ -259,8 +261,8 @@ std::uint64_t time_ns_of(const LiveFrame& frame) {
 }
 
 std::string channel_message(Channel channel, const LiveFrame& frame) {
-  if (channel == Channel::record) return track_json_line(tracked_frame(frame));
-  return message_of(channel, {frame, time_ns_of(frame)}).dump();
+  if (channel == Channel::record) return json_line(frame);
+  return message_of(channel, {frame, time_ns_of(frame)});
 }
 
 std::string log_message(const std::string& sentence, std::uint64_t time_ns) {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "channels/channels.hpp"
-#include "flies/classify/base64.hpp"
+#include "flies/core/base64.hpp"
 #include "flies/core/error.hpp"
 #include "flies/record/ros_calibration.hpp"
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,13 @@ struct GroundPose {
 /// The pose after one more motion. An unknown motion begins a new segment at the origin.
 GroundPose moved(const GroundPose& pose, const flies::EgoMotion& ego);
 
+/// What several sinks write of one pair: made for the first that asks (`json_line`, `left_jpeg`), kept for the others.
+struct FrameEncodings {
+  std::once_flag line_once, jpeg_once;
+  std::string line;
+  std::vector<std::uint8_t> jpeg;
+};
+
 /// A pair and what is known after it: what everyone who writes or shows gets. Shared and never changed.
 struct LiveFrame {
   std::shared_ptr<const LivePair> pair;
@@ -39,6 +47,7 @@ struct LiveFrame {
   std::string preset = {};
   std::shared_ptr<const flies::RunRecord> run = {};
   std::uint64_t began_ns = 0;  ///< nanoseconds since 1970 at time 0 of the pairs
+  std::shared_ptr<FrameEncodings> encodings = std::make_shared<FrameEncodings>();
 };
 
 /// Someone who writes or shows what a living source gives. Called from one thread, but `note` from any.

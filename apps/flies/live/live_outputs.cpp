@@ -1,5 +1,9 @@
 #include "live/live_outputs.hpp"
 
+#include <mutex>
+#include <opencv2/core.hpp>
+
+#include "flies/io/image_codecs.hpp"
 #include "shared/standard_output.hpp"
 
 TrackedFrame tracked_frame(const LiveFrame& frame) {
@@ -14,6 +18,24 @@ TrackedFrame tracked_frame(const LiveFrame& frame) {
                              .skew_ms = 1e3 * frame.pair->skew_s,
                              .dropped = frame.snapshot->dropped},
           .run = frame.run};
+}
+
+const std::string& json_line(const LiveFrame& frame) {
+  auto& made = *frame.encodings;
+  std::call_once(made.line_once, [&] { made.line = track_json_line(tracked_frame(frame)); });
+  return made.line;
+}
+
+std::vector<std::uint8_t> picture_jpeg(const flies::GrayImage& picture) {
+  constexpr int kQuality = 95;
+  const cv::Mat pixels(picture.height_px, picture.width_px, CV_8UC1, const_cast<std::uint8_t*>(picture.pixels.data()));
+  return flies::encode_jpeg(pixels, kQuality);
+}
+
+const std::vector<std::uint8_t>& left_jpeg(const LiveFrame& frame) {
+  auto& made = *frame.encodings;
+  std::call_once(made.jpeg_once, [&] { made.jpeg = picture_jpeg(frame.pair->images.left); });
+  return made.jpeg;
 }
 
 void TableSink::take(const LiveFrame& frame) {

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
 #include <utility>
 
 #include "flies/core/error.hpp"
-#include "flies/io/image_codecs.hpp"
+#include "live/live_outputs.hpp"
 #include "live/view_files.hpp"
 #include "live/view_state.hpp"
 
@@ -22,7 +21,6 @@ constexpr std::size_t kRecent = 20;  // a page that is slow asks for pictures of
 constexpr std::size_t kMostNotes = 50;
 constexpr std::chrono::milliseconds kPatience{1000};
 constexpr std::chrono::seconds kRateOver{2};
-constexpr int kPictureQuality = 80;
 
 flies::WebAnswer json_answer(const Json& json) {
   constexpr int kOneLine = -1;
@@ -151,7 +149,10 @@ flies::WebAnswer View::state(const flies::WebRequest& request) {
   state["rates"] = {
       {"pairs_hz", rates.pairs_hz},         {"latency_ms", rates.latency_ms}, {"latency_p99_ms", rates.latency_p99_ms},
       {"dropped", frame.snapshot->dropped}, {"broken", source.broken},        {"losses", source.losses}};
-  return json_answer(state);
+  flies::WebAnswer answer = json_answer(state);
+  answer.body.back() = ',';
+  answer.body += R"("record":)" + json_line(frame) + "}";
+  return answer;
 }
 
 std::optional<LiveFrame> View::frame_of(const flies::WebRequest& request) {
@@ -165,9 +166,7 @@ std::optional<LiveFrame> View::frame_of(const flies::WebRequest& request) {
 flies::WebAnswer View::picture(const flies::WebRequest& request) {
   const auto frame = frame_of(request);
   if (!frame) return fault(404, "This pair is no longer there.");
-  const flies::GrayImage& left = frame->pair->images.left;
-  const cv::Mat pixels(left.height_px, left.width_px, CV_8UC1, const_cast<std::uint8_t*>(left.pixels.data()));
-  const auto bytes = flies::encode_jpeg(pixels, kPictureQuality);
+  const auto& bytes = left_jpeg(*frame);
   return {.type = "image/jpeg", .body = std::string(bytes.begin(), bytes.end())};
 }
 

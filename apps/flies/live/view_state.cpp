@@ -63,7 +63,6 @@ Json view_frame(const LiveFrame& frame) {
   state["width_px"] = frame.camera.width_px;
   state["height_px"] = frame.camera.height_px;
   state["half_view_rad"] = number(std::atan(0.5 * frame.camera.width_px / frame.camera.fx_px), 1e4);
-  state["record"] = Json::parse(track_json_line(tracked_frame(frame)));
   state["pose"] = {{"x_m", number(frame.pose.x_m)},
                    {"y_m", number(frame.pose.y_m)},
                    {"yaw_rad", number(frame.pose.yaw_rad, 1e5)},
@@ -109,7 +108,7 @@ std::string view_report(const LiveFrame& frame, const std::string& options_yaml,
       {"right.png", png(frame.pair->images.right)},
       {"calib.yaml", flies::calibration_yaml(frame.camera)},
       {"options.yaml", options_yaml},
-      {"result.json", track_json_line(tracked_frame(frame))},
+      {"result.json", json_line(frame)},
   };
   return flies::zip_archive(entries);
 }

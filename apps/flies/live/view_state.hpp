@@ -14,8 +14,8 @@ struct ViewRates {
   std::uint64_t dropped = 0, broken = 0, losses = 0;
 };
 
-/// The record of `flies live --json` as `record`, the pose, and the ground that was seen free: `free_m`, a polygon
-/// around the vehicle, and `free_px`, polygons in the left image.
+/// What the page shows beside the record of `flies live --json`: the pose, and the ground that was seen free: `free_m`,
+/// a polygon around the vehicle, and `free_px`, polygons in the left image.
 nlohmann::ordered_json view_frame(const LiveFrame& frame);
 
 /// The flies: their places in the left image and on the ground, and their fitness as a share of the highest.

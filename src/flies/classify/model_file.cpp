@@ -8,7 +8,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "flies/classify/base64.hpp"
+#include "flies/core/base64.hpp"
 #include "flies/classify/half.hpp"
 #include "flies/classify/shipped_model.hpp"
 #include "flies/core/error.hpp"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "flies/classify/base64.hpp"
+#include "flies/core/base64.hpp"
 #include "flies/classify/named_models.hpp"
 #include "flies/core/error.hpp"
 

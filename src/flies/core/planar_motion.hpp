@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
+#include <optional>
 
 #include "flies/core/stereo_camera.hpp"
 
@@ -25,5 +27,8 @@ struct PlanarMotion {
     return {c * x_m + s * y_m, -s * x_m + c * y_m, before.z_m};
   }
 };
+
+/// Says the motion, or that it is not known, when it is needed; until then it may be measured on another thread.
+using MotionSource = std::function<std::optional<PlanarMotion>()>;
 
 }  // namespace flies

@@ -6,26 +6,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "flies/core/base64.hpp"
 #include "flies/io/image_codecs.hpp"
 
 namespace flies {
-namespace {
-
-std::string base64(const std::vector<std::uint8_t>& bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (k < count ? bytes[i + k] : 0U);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[group >> (18 - 6 * k) & 63U] : '=';
-  }
-  return text;
-}
-
-}  // namespace
-
 const std::string_view kHtmlStyle = R"(
 :root { color-scheme: light; }
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 1280px; margin: 0 auto; padding: 1rem 1.5rem 4rem; }
@@ -62,7 +46,7 @@ std::string html_text(std::string_view text) {
 std::string html_image(const cv::Mat& picture, bool is_photo) {
   constexpr int kJpegQuality = 90;  // text in the picture stays sharp
   const auto bytes = is_photo ? encode_jpeg(picture, kJpegQuality) : encode_png(picture, true);
-  return fmt::format("data:image/{};base64,{}", is_photo ? "jpeg" : "png", base64(bytes));
+  return fmt::format("data:image/{};base64,{}", is_photo ? "jpeg" : "png", to_base64(bytes));
 }
 
 }  // namespace flies

@@ -217,14 +217,19 @@ EgoEstimator::~EgoEstimator() = default;
 EgoEstimator::EgoEstimator(EgoEstimator&&) noexcept = default;
 EgoEstimator& EgoEstimator::operator=(EgoEstimator&&) noexcept = default;
 
-EgoMotion EgoEstimator::follow(const RectifiedPair& given, double time_s) {
+void EgoEstimator::check(const RectifiedPair& given, double time_s) const {
   const RectifiedPair pair = detail::usable_pair(given);
   check_camera_fits(memory_->camera, pair.left.width_px, pair.left.height_px, "camera");
-  const bool is_first = memory_->frame == 0;
-  const double dt_s = is_first ? 0.0 : time_s - memory_->time_s;
-  if (!std::isfinite(time_s) || (!is_first && !(dt_s > 0.0)))
+  if (!std::isfinite(time_s) || (memory_->frame > 0 && !(time_s > memory_->time_s)))
     throw InputError("pair", "time_s",
                      fmt::format("found {} after {}, expected times that advance", time_s, memory_->time_s));
+}
+
+EgoMotion EgoEstimator::follow(const RectifiedPair& given, double time_s) {
+  check(given, time_s);
+  const RectifiedPair pair = detail::usable_pair(given);
+  const bool is_first = memory_->frame == 0;
+  const double dt_s = is_first ? 0.0 : time_s - memory_->time_s;
   auto now = ego::prepare(pair, memory_->projection.disparity_offset_px(), memory_->options);
   EgoMotion ego = is_first ? EgoMotion{} : memory_->estimate(now, dt_s);
   if (!ego.is_known) memory_->motion = {};

@@ -83,6 +83,9 @@ class EgoEstimator {
   /// @throws InputError when the images are empty, differ in size or do not fit the camera, or time does not advance
   EgoMotion follow(const RectifiedPair& pair, double time_s);
 
+  /// Throws what `follow` would throw, and does no more.
+  void check(const RectifiedPair& pair, double time_s) const;
+
  private:
   struct Memory;
   std::unique_ptr<Memory> memory_;

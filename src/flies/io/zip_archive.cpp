@@ -1,21 +1,12 @@
 #include "flies/io/zip_archive.hpp"
 
-#include <array>
 #include <cassert>
 #include <limits>
 
+#include "flies/io/crc32.hpp"
+
 namespace flies {
 namespace {
-
-constexpr std::array<std::uint32_t, 256> kCrcTable = [] {
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t i = 0; i < table.size(); ++i) {
-    std::uint32_t value = i;
-    for (int bit = 0; bit < 8; ++bit) value = (value & 1U) != 0U ? 0xEDB88320U ^ (value >> 1U) : value >> 1U;
-    table[i] = value;
-  }
-  return table;
-}();
 
 constexpr std::uint16_t kVersion = 20, kUtf8Names = 0x0800, kStored = 0, kFirstOf1980 = 0x0021;
 
@@ -38,12 +29,6 @@ void put_description(std::string& out, const ZipEntry& entry) {
 }
 
 }  // namespace
-
-std::uint32_t crc32(std::string_view bytes, std::uint32_t seed) {
-  std::uint32_t value = ~seed;
-  for (const char byte : bytes) value = kCrcTable[(value ^ static_cast<unsigned char>(byte)) & 0xFFU] ^ (value >> 8U);
-  return ~value;
-}
 
 std::string zip_archive(std::span<const ZipEntry> entries) {
   std::string archive, directory;

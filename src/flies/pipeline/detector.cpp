@@ -1,6 +1,7 @@
 #include "flies/pipeline/detector.hpp"
 
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <chrono>
 #include <utility>
@@ -12,15 +13,41 @@
 namespace flies {
 namespace {
 
-/// Runs a stage and notes how long it took.
+/// Runs a stage and adds how long it took.
 template <class Run>
 auto timed(StageTimes_ms& stage_ms, Stage stage, const Run& run) {
   const auto start = std::chrono::steady_clock::now();
   auto result = run();
   const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
-  stage_ms[static_cast<std::size_t>(stage)] = elapsed.count();
+  stage_ms[static_cast<std::size_t>(stage)] += elapsed.count();
   return result;
 }
+
+/// A motion that is measured by another of the arena's threads while this one goes on; by this one when it is asked for
+/// and no other had time. It is waited for even when it is never asked for.
+class MeasuredMeanwhile {
+ public:
+  explicit MeasuredMeanwhile(const MotionSource& source) {
+    if (source) group_.run([this, &source] { motion_ = source(); });
+  }
+  ~MeasuredMeanwhile() {
+    try {
+      group_.wait();
+    } catch (...) {  // what `get` would have thrown, had it come to that
+    }
+  }
+  MeasuredMeanwhile(const MeasuredMeanwhile&) = delete;
+  MeasuredMeanwhile& operator=(const MeasuredMeanwhile&) = delete;
+
+  std::optional<PlanarMotion> get() {
+    group_.wait();
+    return motion_;
+  }
+
+ private:
+  std::optional<PlanarMotion> motion_;
+  tbb::task_group group_;
+};
 
 }  // namespace
 
@@ -40,7 +67,11 @@ Detector::Detector(const StereoCamera& camera, const DetectorOptions& options,
   check_detector_options(options_, "options");
 }
 
-Detection Detector::process(const RectifiedPair& given, const std::optional<PlanarMotion>& motion) {
+Detection Detector::process(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion) {
+  return process(pair, motion ? [&] { return motion; } : MotionSource());
+}
+
+Detection Detector::process(const RectifiedPair& given, const MotionSource& motion) {
   [[maybe_unused]] const detail::OneAtATime::Use use(one_at_a_time_);
   const RectifiedPair pair = detail::usable_pair(given);
   check_camera_fits(camera_, pair.left.width_px, pair.left.height_px, "camera");
@@ -66,24 +97,26 @@ void Detector::reset() {
   frame_ = 0;
 }
 
-Detection Detector::detect(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion) {
+Detection Detector::detect(const RectifiedPair& pair, const MotionSource& source) {
   const auto& [width_px, height_px] = std::pair(pair.left.width_px, pair.left.height_px);
   Detection d;
+  MeasuredMeanwhile motion(source);
   d.road = timed(d.stage_ms, Stage::road, [&] { return estimate_road(pair, projection_, options_.road); });
   const RoadPlane& road = d.road.plane;
   d.evolved = timed(d.stage_ms, Stage::evolve, [&] {
     return evolver_.evolve(pair, projection_, road, options_.field, options_.fitness, options_.evolve,
                            {options_.seed, frame_}, last_obstacles_);
   });
+  d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
+    return concentrator_.concentrate(d.evolved.flies, projection_, road, options_.field, options_.concentrate);
+  });
   d.scan = timed(d.stage_ms, Stage::scan, [&] {
     return scanner_.scan(pair, projection_, road, d.evolved.flies, options_.field, options_.scan,
-                         motion ? &*motion : nullptr);
+                         [&] { return motion.get(); });
   });
-  d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
-    ConcentrateResult found =
-        concentrator_.concentrate(d.evolved.flies, projection_, road, options_.field, options_.concentrate);
-    d.obstacles = whole_obstacles(found.obstacles, d.scan, projection_, road, options_.concentrate.whole);
-    return found;
+  motion.get();  // the scan does not ask where it is switched off
+  d.obstacles = timed(d.stage_ms, Stage::concentrate, [&] {
+    return whole_obstacles(d.concentrate.obstacles, d.scan, projection_, road, options_.concentrate.whole);
   });
   d.rois = timed(d.stage_ms, Stage::propose, [&] {
     return propose_rois(d.concentrate.obstacles, d.scan, projection_, road, width_px, height_px,

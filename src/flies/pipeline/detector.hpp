@@ -152,6 +152,9 @@ class Detector {
   /// @param motion of the camera since the pair before, where that is known: what was seen then counts on
   Detection process(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion = std::nullopt);
 
+  /// The same where the motion has yet to be measured: `motion` runs beside the first stages when `threads` is not 1.
+  Detection process(const RectifiedPair& pair, const MotionSource& motion);
+
   /// The same without the intermediate results, for who keeps what comes out.
   DetectionSummary find(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion = std::nullopt);
 
@@ -164,7 +167,7 @@ class Detector {
  private:
   struct Workers;
 
-  Detection detect(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion);
+  Detection detect(const RectifiedPair& pair, const MotionSource& motion);
 
   StereoCamera camera_;
   Projection projection_;

@@ -33,8 +33,16 @@ Tracker::Tracker(const StereoCamera& camera, const DetectorOptions& detector, co
 Tracking Tracker::process(const RectifiedPair& pair, double time_s, const std::optional<EgoMotion>& measured) {
   Tracking t;
   t.time_s = time_s;
-  t.ego = timed(t.ego_ms, [&] { return measured ? *measured : ego_.follow(pair, time_s); });
-  t.detection = detector_.process(pair, planar_motion(t.ego));
+  if (measured) {
+    t.ego = *measured;
+    t.detection = detector_.process(pair, planar_motion(t.ego));
+  } else {
+    ego_.check(pair, time_s);
+    t.detection = detector_.process(pair, [&] {
+      t.ego = timed(t.ego_ms, [&] { return ego_.follow(pair, time_s); });
+      return planar_motion(t.ego);
+    });
+  }
   const auto sightings = sightings_of(t.detection.obstacles, t.detection.pedestrians);
   t.tracks = timed(t.track_ms, [&] { return keeper_.step(t.ego, sightings); });
   return t;

@@ -29,7 +29,8 @@ struct Tracking {
   EgoMotion ego;
   std::vector<Track> tracks;  ///< nearest first
   Detection detection;        ///< of this pair alone
-  double ego_ms = 0.0, track_ms = 0.0;
+  double ego_ms = 0.0;        ///< beside the first stages of the detection where that runs on several threads
+  double track_ms = 0.0;
 };
 
 /// Follows things through the pairs of one camera: ego-motion, detection, tracks. The n-th call is a function of the

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "flies/core/error.hpp"
-#include "flies/io/zip_archive.hpp"
+#include "flies/io/crc32.hpp"
 #include "flies/record/byte_taker.hpp"
 #include "flies/record/decompress.hpp"
 #include "flies/record/mcap_records.hpp"

@@ -11,7 +11,7 @@
 #include <numeric>
 
 #include "flies/core/error.hpp"
-#include "flies/io/zip_archive.hpp"
+#include "flies/io/crc32.hpp"
 #include "flies/record/mcap_records.hpp"
 
 namespace flies {

@@ -182,7 +182,7 @@ void check_scan_options(const ScanOptions& options, const std::string& source) {
 
 Scan Scanner::scan(const RectifiedPair& given, const Projection& projection, const RoadPlane& road,
                    const Population& flies, const FieldOptions& field, const ScanOptions& options,
-                   const PlanarMotion* motion) {
+                   const MotionSource& motion) {
   if (!options.enable) return {};
   const RectifiedPair pair = detail::usable_pair(given);
   lay_out_cells(pair, projection, road, options, layout_);
@@ -208,7 +208,7 @@ Scan Scanner::scan(const RectifiedPair& given, const Projection& projection, con
   doubt_columns(blind_columns(pair, layout_, options.cells.row_step), points_);
   std::swap(evidence_, before_);
   evidence_.collect(layout_, points_, flies, projection, road, options);
-  if (motion != nullptr) evidence_.recall(before_, *motion);
+  if (const auto known = motion ? motion() : std::nullopt) evidence_.recall(before_, *known);
   auto& labels =
       find_best_path({evidence_.costs(), evidence_.columns(), evidence_.labels()}, options.evidence, path_memory_);
   trim_surfaces(evidence_, options.evidence, labels);

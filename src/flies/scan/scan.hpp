@@ -34,10 +34,10 @@ Scan scan(const RectifiedPair& pair, const Projection& projection, const RoadPla
 /// The same for pair after pair, whose evidence adds up where the motion between them is known. Threads: one at a time.
 class Scanner {
  public:
-  /// @param motion from the pair before to this one: what was known then still counts (`ScanOptions::memory`); null
-  ///               when it is not known: it is forgotten
+  /// @param motion from the pair before to this one, asked for once, late: what was known then still counts
+  ///               (`ScanOptions::memory`); where it is not known, or there is no such function, it is forgotten
   Scan scan(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road, const Population& flies,
-            const FieldOptions& field, const ScanOptions& options, const PlanarMotion* motion = nullptr);
+            const FieldOptions& field, const ScanOptions& options, const MotionSource& motion = {});
 
  private:
   CellLayout layout_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "flies/core/error.hpp"
@@ -205,8 +206,8 @@ TEST(Scan, GivesTheSameAfterOtherPairs) {
   EXPECT_EQ(first.confidence, again.confidence);
 }
 
-Scan next_scan(Scanner& scanner, const Drawn& drawn, const PlanarMotion* motion) {
-  return scanner.scan(drawn.pair(), Projection(camera()), {}, {}, {}, {}, motion);
+Scan next_scan(Scanner& scanner, const Drawn& drawn, std::optional<PlanarMotion> motion = {}) {
+  return scanner.scan(drawn.pair(), Projection(camera()), {}, {}, {}, {}, [&] { return motion; });
 }
 
 TEST(Scanner, RemembersWhatStoodWhereNothingCanBeSeen) {
@@ -215,8 +216,8 @@ TEST(Scanner, RemembersWhatStoodWhereNothingCanBeSeen) {
   drawn.paint_board(10.0, 1.6, 280, 380);
   for (const PlanarMotion motion : {PlanarMotion{1.0, 0.0, 0.0}, PlanarMotion{0.0, 0.0, 0.1}}) {
     Scanner scanner;
-    next_scan(scanner, drawn, nullptr);
-    const Scan scan = next_scan(scanner, Drawn(), &motion);  // fog
+    next_scan(scanner, drawn);
+    const Scan scan = next_scan(scanner, Drawn(), motion);  // fog
     const Point3 middle = motion.now({10.0, -10.0 * (330.0 - 320.0) / 400.0, 0.0});
     const double u_px = 320.0 - 400.0 * middle.y_m / middle.x_m;
     const auto board = sectors_between(scan, u_px - 30, u_px + 30);
@@ -233,10 +234,10 @@ TEST(Scanner, ForgetsWhenTheMotionIsNotKnown) {
   drawn.paint_road();
   drawn.paint_board(10.0, 1.6, 280, 380);
   Scanner scanner;
-  next_scan(scanner, drawn, nullptr);
-  for (const SectorState state : next_scan(scanner, Drawn(), nullptr).states) EXPECT_EQ(state, SectorState::unknown);
+  next_scan(scanner, drawn);
+  for (const SectorState state : next_scan(scanner, Drawn()).states) EXPECT_EQ(state, SectorState::unknown);
   const PlanarMotion still;
-  for (const SectorState state : next_scan(scanner, Drawn(), &still).states) EXPECT_EQ(state, SectorState::unknown);
+  for (const SectorState state : next_scan(scanner, Drawn(), still).states) EXPECT_EQ(state, SectorState::unknown);
 }
 
 TEST(Scanner, LetsGoOfWhatLeftWithinThreePairs) {
@@ -247,9 +248,9 @@ TEST(Scanner, LetsGoOfWhatLeftWithinThreePairs) {
   with.paint_board(10.0, 1.6, 280, 380);
   Scanner scanner;
   const PlanarMotion still;
-  for (int i = 0; i < 5; ++i) next_scan(scanner, with, &still);
+  for (int i = 0; i < 5; ++i) next_scan(scanner, with, still);
   Scan scan;
-  for (int i = 0; i < 3; ++i) scan = next_scan(scanner, without, &still);
+  for (int i = 0; i < 3; ++i) scan = next_scan(scanner, without, still);
   for (const std::size_t i : sectors_between(scan, 250, 400)) EXPECT_NEAR(scan.ranges_m[i], 30.0, 3.0) << i;
 }
 

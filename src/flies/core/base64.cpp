@@ -1,4 +1,4 @@
-#include "flies/classify/base64.hpp"
+#include "flies/core/base64.hpp"
 
 #include <algorithm>
 #include <array>
@@ -32,6 +32,10 @@ std::string to_base64(std::string_view bytes) {
     for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[group >> (18U - 6U * k) & 63U] : '=';
   }
   return text;
+}
+
+std::string to_base64(std::span<const std::uint8_t> bytes) {
+  return to_base64(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
 std::optional<std::string> from_base64(std::string_view text) {
