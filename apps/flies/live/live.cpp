@@ -46,6 +46,8 @@ struct LiveArguments {
   std::optional<int> foxglove_port;  ///< none: no server
   std::string foxglove_address = "127.0.0.1";
   std::string record, video;
+
+  LiveArguments() { method.threads = 2; }  // so that ego-motion is measured while flies evolve
 };
 
 constexpr std::size_t kMostForFoxglove = 2;  // pairs that wait to be sent: what is seen is to be new
@@ -322,7 +324,8 @@ void setup_live(CLI::App& app) {
   command->footer(
       "\nPairs that are overtaken by newer ones before their turn are dropped and counted. A camera that goes away,\n"
       "gives broken pictures or hangs is told once and opened again until it is back. Ctrl-C ends after the\n"
-      "pair that is worked on. Options of following are those of `flies track`. docs/live.md says more.\n"
+      "pair that is worked on. Two threads work on a pair, unless --threads says otherwise. Options of following are\n"
+      "those of `flies track`. docs/live.md says more.\n"
       "\nExamples:\n"
       "  flies live 0 --size 2560,720 --calib calib.yaml               a camera that gives both pictures side by side\n"
       "  flies live /dev/video0 /dev/video2 --calib calib.yaml         two cameras\n"

@@ -98,7 +98,9 @@ flies::DetectorOptions with_settings(flies::DetectorOptions options, const Metho
 }
 
 flies::DetectorOptions preset_of(const MethodArguments& arguments) {
-  return flies::preset_options(flies::preset_named(arguments.preset, "command line"));
+  flies::DetectorOptions options = flies::preset_options(flies::preset_named(arguments.preset, "command line"));
+  options.threads = arguments.threads;
+  return options;
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ struct MethodArguments {
   std::string options_file;
   std::string model;    ///< of people, a name or a file; empty: not given
   Overrides overrides;  ///< dotted name and text, in no particular order
+  int threads = 1;      ///< worker threads where neither the file nor the command line says how many
 };
 
 /// Adds --preset, --options, --model, --seed, --threads and, hidden from the help because there are so many, every

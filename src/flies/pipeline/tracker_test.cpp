@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -91,6 +92,46 @@ TEST(Tracker, RefusesTimeThatStandsStill) {
   Tracker tracker(camera());
   tracker.process(Scene(0).pair(), 1.0);
   EXPECT_THAT([&] { tracker.process(Scene(0).pair(), 1.0); }, ThrowsMessage<InputError>(HasSubstr("time_s")));
+}
+
+/// What three pairs of the moving board become, each track as its number, place and velocity.
+std::vector<std::array<double, 5>> tracks_of(Tracker& tracker) {
+  std::vector<std::array<double, 5>> tracks;
+  for (int i = 0; i < 3; ++i)
+    for (const Track& track : tracker.process(Scene(8 * i).pair(), 0.1 * i).tracks)
+      tracks.push_back({static_cast<double>(track.id), track.state.x_m, track.state.y_m, track.velocity.vx_mps,
+                        track.velocity.vy_mps});
+  return tracks;
+}
+
+TEST(Tracker, DoesNotDependOnTheNumberOfThreads) {
+  DetectorOptions on_three;
+  on_three.threads = 3;
+  Tracker one(camera()), several(camera(), on_three);
+  const auto expected = tracks_of(one);
+  ASSERT_FALSE(expected.empty());
+  EXPECT_EQ(tracks_of(several), expected);
+}
+
+TEST(Tracker, MeasuresTheMotionEvenIfNobodyAsksForIt) {
+  DetectorOptions blind;
+  blind.scan.enable = false;
+  Tracker tracker(camera(), blind, {}, nullptr);
+  tracker.process(Scene(0).pair(), 0.0);
+  EXPECT_TRUE(tracker.process(Scene(0).pair(), 0.1).ego.is_known);
+}
+
+TEST(Tracker, APairThatIsRefusedChangesNothing) {
+  Tracker refused(camera()), undisturbed(camera());
+  const Scene scene(0), later(30);
+  for (Tracker* tracker : {&refused, &undisturbed}) tracker->process(scene.pair(), 0.0);
+  EXPECT_THROW(refused.process(later.pair(), 0.0), InputError) << "time stands still";
+  EXPECT_THROW(refused.process({later.pair().left, later.pair().left}, 0.1), InputError) << "one image twice";
+  const auto after = refused.process(Scene(8).pair(), 0.1), expected = undisturbed.process(Scene(8).pair(), 0.1);
+  EXPECT_EQ(after.ego.dt_s, expected.ego.dt_s);
+  EXPECT_EQ(after.ego.followed, expected.ego.followed);
+  EXPECT_EQ(after.ego.vx_mps, expected.ego.vx_mps);
+  EXPECT_EQ(after.detection.evolved.flies.x_m, expected.detection.evolved.flies.x_m);
 }
 
 }  // namespace
