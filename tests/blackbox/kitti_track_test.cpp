@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "flies/core/quantile.hpp"
 #include "flies/eval/kitti_motion.hpp"
 #include "flies/eval/kitti_truth.hpp"
 #include "flies/eval/track_measures.hpp"
@@ -18,12 +19,6 @@ namespace {
 constexpr double kMinRecall = 0.95;  // far below what is usual: catches a tracker that loses what the detector sees
 constexpr const char* kDay = "kitti_raw/2011_09_26";
 constexpr const char* kDrive = "2011_09_26_drive_0005_sync";
-
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
-}
 
 TEST(BlackBoxKittiTrack, FollowsTheRoadUsers) {
   const auto day = find_data(kDay);
@@ -61,6 +56,7 @@ TEST(BlackBoxKittiTrack, FollowsTheRoadUsers) {
   std::printf("drive 0005, tracks: %.1f a pair, recall %d/%d, identity switches %d, fragments %d\n",
               static_cast<double>(reported) / static_cast<double>(frames.size()), m.found, m.objects,
               m.identity_switches, m.fragments);
+  ASSERT_FALSE(m.moving_errors_mps.empty() || m.standing_errors_mps.empty());
   std::printf("velocity error m/s, median and 90 %%: moving %.2f %.2f (%zu), standing %.2f %.2f (%zu)\n",
               quantile(m.moving_errors_mps, 0.5), quantile(m.moving_errors_mps, 0.9), m.moving_errors_mps.size(),
               quantile(m.standing_errors_mps, 0.5), quantile(m.standing_errors_mps, 0.9), m.standing_errors_mps.size());
