@@ -23,31 +23,41 @@ auto timed(StageTimes_ms& stage_ms, Stage stage, const Run& run) {
   return result;
 }
 
-/// A motion that is measured by another of the arena's threads while this one goes on; by this one when it is asked for
-/// and no other had time. It is waited for even when it is never asked for.
-class MeasuredMeanwhile {
+/// Something that another of the arena's threads works out while this one goes on; this one does when it asks for it
+/// and no other had time. It is waited for even when nobody asks.
+template <class Result>
+class Meanwhile {
  public:
-  explicit MeasuredMeanwhile(const MotionSource& source) {
-    if (source) group_.run([this, &source] { motion_ = source(); });
-  }
-  ~MeasuredMeanwhile() {
+  Meanwhile() = default;
+  ~Meanwhile() {
     try {
       group_.wait();
     } catch (...) {  // what `get` would have thrown, had it come to that
     }
   }
-  MeasuredMeanwhile(const MeasuredMeanwhile&) = delete;
-  MeasuredMeanwhile& operator=(const MeasuredMeanwhile&) = delete;
+  Meanwhile(const Meanwhile&) = delete;
+  Meanwhile& operator=(const Meanwhile&) = delete;
 
-  std::optional<PlanarMotion> get() {
+  template <class Run>
+  void start(const Run& run) {
+    group_.run([this, run] { result_ = run(); });
+  }
+  /// @returns what came out, or a default where nothing was started
+  Result& get() {
     group_.wait();
-    return motion_;
+    return result_;
   }
 
  private:
-  std::optional<PlanarMotion> motion_;
+  Result result_{};
   tbb::task_group group_;
 };
+
+/// Calls `run` without taking up, while it waits for its own loops, what was started beside it.
+template <class Run>
+auto undistracted(const Run& run) {
+  return tbb::this_task_arena::isolate(run);
+}
 
 }  // namespace
 
@@ -100,20 +110,30 @@ void Detector::reset() {
 Detection Detector::detect(const RectifiedPair& pair, const MotionSource& source) {
   const auto& [width_px, height_px] = std::pair(pair.left.width_px, pair.left.height_px);
   Detection d;
-  MeasuredMeanwhile motion(source);
+  Meanwhile<std::optional<PlanarMotion>> motion;
+  if (source) motion.start([&] { return source(); });
   d.road = timed(d.stage_ms, Stage::road, [&] { return estimate_road(pair, projection_, options_.road); });
   const RoadPlane& road = d.road.plane;
+  const auto scan = [&](const Population& flies) {
+    return timed(d.stage_ms, Stage::scan, [&] {
+      return scanner_.scan(pair, projection_, road, flies, options_.field, options_.scan, [&] { return motion.get(); });
+    });
+  };
+  const bool scan_asks_flies = options_.scan.evidence.fly > 0.0;
+  Meanwhile<Scan> scanned;
+  if (!scan_asks_flies) scanned.start([&] { return scan({}); });
   d.evolved = timed(d.stage_ms, Stage::evolve, [&] {
-    return evolver_.evolve(pair, projection_, road, options_.field, options_.fitness, options_.evolve,
-                           {options_.seed, frame_}, last_obstacles_);
+    return undistracted([&] {
+      return evolver_.evolve(pair, projection_, road, options_.field, options_.fitness, options_.evolve,
+                             {options_.seed, frame_}, last_obstacles_);
+    });
   });
   d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
-    return concentrator_.concentrate(d.evolved.flies, projection_, road, options_.field, options_.concentrate);
+    return undistracted([&] {
+      return concentrator_.concentrate(d.evolved.flies, projection_, road, options_.field, options_.concentrate);
+    });
   });
-  d.scan = timed(d.stage_ms, Stage::scan, [&] {
-    return scanner_.scan(pair, projection_, road, d.evolved.flies, options_.field, options_.scan,
-                         [&] { return motion.get(); });
-  });
+  d.scan = scan_asks_flies ? scan(d.evolved.flies) : std::move(scanned.get());
   motion.get();  // the scan does not ask where it is switched off
   d.obstacles = timed(d.stage_ms, Stage::concentrate, [&] {
     return whole_obstacles(d.concentrate.obstacles, d.scan, projection_, road, options_.concentrate.whole);

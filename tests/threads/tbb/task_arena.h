@@ -27,4 +27,14 @@ class task_arena {
   int threads_;
 };
 
+namespace this_task_arena {
+
+/// Nobody here takes up a task of others while waiting.
+template <class Work>
+auto isolate(const Work& work) -> decltype(work()) {
+  return work();
+}
+
+}  // namespace this_task_arena
+
 }  // namespace tbb
