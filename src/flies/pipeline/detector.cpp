@@ -107,9 +107,16 @@ void Detector::reset() {
   frame_ = 0;
 }
 
-Detection Detector::detect(const RectifiedPair& pair, const MotionSource& source) {
-  const auto& [width_px, height_px] = std::pair(pair.left.width_px, pair.left.height_px);
+Detection Detector::detect(const RectifiedPair& pair, const MotionSource& motion) {
   Detection d;
+  find_obstacles(pair, motion, d);
+  find_pedestrians(pair, d);
+  for (auto& obstacle : d.obstacles) obstacle.range_sd_m = range_deviation_m(camera_, obstacle.range_m);
+  for (auto& pedestrian : d.pedestrians) pedestrian.range_sd_m = range_deviation_m(camera_, pedestrian.range_m);
+  return d;
+}
+
+void Detector::find_obstacles(const RectifiedPair& pair, const MotionSource& source, Detection& d) {
   Meanwhile<std::optional<PlanarMotion>> motion;
   if (source) motion.start([&] { return source(); });
   d.road = timed(d.stage_ms, Stage::road, [&] { return estimate_road(pair, projection_, options_.road); });
@@ -138,8 +145,12 @@ Detection Detector::detect(const RectifiedPair& pair, const MotionSource& source
   d.obstacles = timed(d.stage_ms, Stage::concentrate, [&] {
     return whole_obstacles(d.concentrate.obstacles, d.scan, projection_, road, options_.concentrate.whole);
   });
+}
+
+void Detector::find_pedestrians(const RectifiedPair& pair, Detection& d) const {
   d.rois = timed(d.stage_ms, Stage::propose, [&] {
-    return propose_rois(d.concentrate.obstacles, d.scan, projection_, road, width_px, height_px,
+    return propose_rois(d.concentrate.obstacles, d.scan, projection_, d.road.plane, pair.left.width_px,
+                        pair.left.height_px,
                         classifier_ ? for_classifier(options_.propose, *classifier_) : options_.propose);
   });
   d.pedestrians = timed(d.stage_ms, Stage::classify, [&] {
@@ -151,9 +162,6 @@ Detection Detector::detect(const RectifiedPair& pair, const MotionSource& source
     d.roi_scores = std::move(people.screened);
     return std::move(people.pedestrians);
   });
-  for (auto& obstacle : d.obstacles) obstacle.range_sd_m = range_deviation_m(camera_, obstacle.range_m);
-  for (auto& pedestrian : d.pedestrians) pedestrian.range_sd_m = range_deviation_m(camera_, pedestrian.range_m);
-  return d;
 }
 
 }  // namespace flies

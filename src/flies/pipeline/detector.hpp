@@ -168,6 +168,8 @@ class Detector {
   struct Workers;
 
   Detection detect(const RectifiedPair& pair, const MotionSource& motion);
+  void find_obstacles(const RectifiedPair& pair, const MotionSource& motion, Detection& d);
+  void find_pedestrians(const RectifiedPair& pair, Detection& d) const;
 
   StereoCamera camera_;
   Projection projection_;
