@@ -81,16 +81,16 @@ Calibration read_kitti(const NumberTable& table, const CalibrationRequest& reque
 Calibration read_unrectified_kitti(const NumberTable& table, const CalibrationRequest& request) {
   const auto cameras = request.cameras.value_or(request.default_cameras);
   const auto key = [](const char* name, int camera) { return fmt::format("{}_{:02}", name, camera); };
-  const auto pose = [&](int camera) {
-    const auto& t = table.require(key("T", camera), 3);
-    return Pose{matrix_of(table, key("R", camera)), {t[0], t[1], t[2]}};
-  };
   const auto camera_of = [&](int camera) {
     return RawCamera{matrix_of(table, key("K", camera)), table.require(key("D", camera)), Lens::brown};
   };
   RawPair pair{{}, key("K", cameras[0]), key("K", cameras[1]), key("R", cameras[1])};
   const auto size = size_of_list(table, key("S", cameras[0]));
   pair.stereo = {size.width_px, size.height_px, camera_of(cameras[0]), camera_of(cameras[1]), {}, {}};
+  const auto pose = [&](int camera) {
+    const auto& t = table.require(key("T", camera), 3);
+    return Pose{rotation_of(table, key("R", camera), pair.notes), {t[0], t[1], t[2]}};
+  };
   set_pose(pair.stereo, chained(pose(cameras[1]), inverse(pose(cameras[0]))));
   return calibration_from_raw(std::move(pair), request, table.source);
 }

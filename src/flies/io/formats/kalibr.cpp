@@ -33,9 +33,9 @@ RawCamera read_camera(const NumberTable& table, const std::string& camera) {
 }
 
 /// The pose of a camera in the frame of the first one: the file chains them.
-Pose from_first(const NumberTable& table, int camera) {
+Pose from_first(const NumberTable& table, int camera, std::vector<std::string>& notes) {
   Pose pose;
-  for (int i = 1; i <= camera; ++i) pose = chained(pose_of_rows(table.require(name_of(i) + ".T_cn_cnm1", 16)), pose);
+  for (int i = 1; i <= camera; ++i) pose = chained(pose_of(table, name_of(i) + ".T_cn_cnm1", notes), pose);
   return pose;
 }
 
@@ -45,7 +45,9 @@ Calibration read_kalibr(const NumberTable& table, const CalibrationRequest& requ
   RawPair pair{{}, left, right, right + ".T_cn_cnm1"};
   pair.stereo.left = read_camera(table, left);
   pair.stereo.right = read_camera(table, right);
-  set_pose(pair.stereo, chained(from_first(table, cameras[1]), inverse(from_first(table, cameras[0]))));
+  const Pose right_from_first = from_first(table, cameras[1], pair.notes);
+  std::vector<std::string> told;  // of poses that the right camera has too, or none
+  set_pose(pair.stereo, chained(right_from_first, inverse(from_first(table, cameras[0], told))));
   const auto size = size_of_list(table, left + ".resolution"), other = size_of_list(table, right + ".resolution");
   if (size.width_px != other.width_px || size.height_px != other.height_px)
     throw InputError(table.source, right + ".resolution",
