@@ -20,7 +20,8 @@ struct CalibrationFormat {
 };
 
 extern const CalibrationFormat kKittiObject, kKittiRaw, kKittiOdometry, kMiddlebury, kPlainYaml, kRosCameraInfo,
-    kOpenCvStereo, kKalibr, kEuroc, kOrbSlam, kZed, kDepthAi, kBasalt, kMatlab, kCameraMatrixText, kStereodemo, kStixel;
+    kOpenCvStereo, kKalibr, kEuroc, kOrbSlam, kZed, kDepthAi, kBasalt, kMatlab, kCameraMatrixText, kStereodemo, kStixel,
+    kCityscapes;
 
 /// A 3 x 4 projection matrix and where it was read.
 struct ProjectionKey {

@@ -65,6 +65,8 @@ Calibration read_kitti(const NumberTable& table, const CalibrationRequest& reque
   // A file of one pair leaves no choice.
   if (!request.cameras && table.has(key(0)) && table.has(key(1)) && !table.has(key(2)) && !table.has(key(3)))
     cameras = {0, 1};
+  constexpr int kLeft = 101, kRight = 103;  // as DrivingStereo numbers them
+  if (!request.cameras && table.has(key(kLeft)) && table.has(key(kRight))) cameras = {kLeft, kRight};
   for (const int camera : cameras)
     if (!table.has(key(camera)))
       throw InputError(table.source, key(camera), "is missing; choose the cameras of the images, e.g. 0 and 1");
@@ -171,13 +173,15 @@ const CalibrationFormat kKittiObject{
       return read_kitti(table, request, "P{}", nullptr);
     }};
 
-const CalibrationFormat kKittiRaw{
-    "KITTI raw calib_cam_to_cam.txt", true, false,
-    [](const NumberTable& table) { return table.has("P_rect_00") || table.has("P_rect_02"); },
-    [](const NumberTable& table, const CalibrationRequest& request) {
-      return request.images_are_raw ? read_unrectified_kitti(table, request)
-                                    : read_kitti(table, request, "P_rect_{:02}", "S_rect_{:02}");
-    }};
+const CalibrationFormat kKittiRaw{"KITTI raw calib_cam_to_cam.txt", true, false,
+                                  [](const NumberTable& table) {
+                                    return table.has("P_rect_00") || table.has("P_rect_02") || table.has("P_rect_101");
+                                  },
+                                  [](const NumberTable& table, const CalibrationRequest& request) {
+                                    return request.images_are_raw
+                                               ? read_unrectified_kitti(table, request)
+                                               : read_kitti(table, request, "P_rect_{:02}", "S_rect_{:02}");
+                                  }};
 
 const CalibrationFormat kKittiOdometry{"KITTI odometry calib.txt", true, false,
                                        [](const NumberTable& table) {

@@ -38,7 +38,8 @@ const Words kDistortion = {"d",
                            "distortioncoeff",
                            "distortions",
                            "distortionvector",
-                           "discoeffs"};
+                           "discoeffs",
+                           "disto"};
 const Words kProjection = {"p", "projection", "projectionmatrix", "proj", "projmatrix", "projmat"};
 const Words kRotation = {"r",    "rotation", "rotationmatrix", "rot",    "rotmatrix", "rmat", "rmatrix",
                          "rvec", "om",       "rotationvector", "rotvec", "rodrigues"};

@@ -145,6 +145,24 @@ TEST(Poses, AreReadByRowsAndByColumns) {
   }
 }
 
+TEST(Poses, OfKalibrsCamerasAgainstTheInertialUnitRectify) {
+  const TemporaryFolder folder;
+  const ToyRig rig;
+  const auto camera = [](const std::string& pose, const cv::Matx33d& m, const std::vector<double>& d) {
+    return "  camera_model: pinhole\n  distortion_model: radtan\n  resolution: [640, 480]\n  distortion_coeffs: " +
+           list({d[0], d[1], d[2], d[3]}) + "\n  intrinsics: " + focal_and_centre(m) + "\n  " + pose + "\n";
+  };
+  const cv::Mat left = body_from_left(), right = body_from_right(rig);
+  for (const bool is_openvins : {false, true}) {
+    const auto pose = [&](const cv::Mat& body_from_camera) {
+      return is_openvins ? "T_imu_cam: " + rows(body_from_camera) : "T_cam_imu: " + rows(body_from_camera.inv());
+    };
+    expect_rectifies(load_calibration(folder.write("c", "cam0:\n" + camera(pose(left), rig.m1, rig.d1) + "cam1:\n" +
+                                                            camera(pose(right), rig.m2, rig.d2))),
+                     rig);
+  }
+}
+
 TEST(Poses, OfBodiesAreReadByRowsAndByColumns) {
   const TemporaryFolder folder;
   const ToyRig rig;
@@ -183,7 +201,8 @@ TEST(OpenCvNames, ThatPeopleGiveTheirMatricesAreKnown) {
         Names{"camera_matrix_left", "dist_coeffs_left", "camera_matrix_right", "dist_coeffs_right", "rot", "trans"},
         Names{"left_camera_matrix", "left_distortion", "right_camera_matrix", "right_distortion", "R", "T"},
         Names{"mtxL", "distL", "mtxR", "distR", "Rot", "Trns"}, Names{"mtx1", "dist1", "mtx2", "dist2", "R", "T"},
-        Names{"K_l", "D_l", "K_r", "D_r", "R", "T"}, Names{"K_0", "D_0", "K_1", "D_1", "R", "T"},
+        Names{"K_LEFT", "DISTO_LEFT", "K_RIGHT", "DISTO_RIGHT", "R", "T"}, Names{"K_l", "D_l", "K_r", "D_r", "R", "T"},
+        Names{"K_0", "D_0", "K_1", "D_1", "R", "T"},
         Names{"Camera_Matrix_1", "Distortion_Coefficients_1", "Camera_Matrix_2", "Distortion_Coefficients_2",
               "Rotation_Matrix", "Translation_Vector"}}) {
     SCOPED_TRACE(name[0]);
