@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "drawn_boards.hpp"
 #include "run_flies.hpp"
 #include "street_pair.hpp"
 
@@ -115,6 +116,19 @@ TEST_F(Calibrate, TakesViewsWhileABoardIsHeldBeforeLivingCameras) {
   EXPECT_THAT(result.err, AllOf(HasSubstr("view 7 taken"), Not(HasSubstr("view 8"))));
   EXPECT_THAT(result.out, HasSubstr("baseline                0.08"));
   EXPECT_THAT(folder.listing(), Contains("rig.yml"));
+}
+
+TEST_F(Calibrate, TakesViewsOfPicturesOfTheSizeOfAZed) {
+  write_film_of_boards(folder.path() / "zed.avi", {1280, 720});
+  const RunResult result = calibrate(
+      {"zed.avi", "--live", "--board", "9x6", "--square", "0.05", "--output", "rig.yml", "--json", "errors.json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto calib = run_flies(folder.path(), {"calib", "rig.yml", "--json"});
+  const auto camera = nlohmann::json::parse(calib.out);
+  EXPECT_EQ(camera.at("width_px"), 1280);
+  EXPECT_EQ(camera.at("height_px"), 720);
+  constexpr double kBaseline_m = 0.12, kFewViewsOfAFilm = 0.01;
+  EXPECT_NEAR(camera.at("baseline_m").get<double>(), kBaseline_m, kFewViewsOfAFilm * kBaseline_m);
 }
 
 TEST_F(Calibrate, TellsOnceThatImagesAreMosaics) {

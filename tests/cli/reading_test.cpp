@@ -2,9 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
@@ -49,6 +51,54 @@ struct Reading : ::testing::Test {
   }
   TestFolder folder;
 };
+
+/// The range of the obstacle that is nearest to this one; 0 where there is none.
+double range_near(const json& obstacles, const json& one) {
+  double best = 1.0, range_m = 0.0;  // metres
+  for (const auto& other : obstacles) {
+    const double apart = std::hypot(other.at("x_m").get<double>() - one.at("x_m").get<double>(),
+                                    other.at("y_m").get<double>() - one.at("y_m").get<double>());
+    if (apart >= best) continue;
+    best = apart;
+    range_m = other.at("range_m").get<double>();
+  }
+  return range_m;
+}
+
+TEST_F(Reading, ImagesResizedByTwoScalesHaveTheRangesOfTheWholeOnes) {
+  ASSERT_EQ(run_flies(folder.path(), {"synth", "street", "--seed", "3", "--frames", "1"}).status, 0);
+  for (const std::string side : {"left", "right"}) {
+    cv::Mat resized;
+    cv::resize(cv::imread((folder.path() / "street" / side / "000000.png").string(), cv::IMREAD_GRAYSCALE), resized,
+               {1024, 320}, 0, 0, cv::INTER_AREA);
+    cv::imwrite((folder.path() / (side + "1024.png")).string(), resized);
+  }
+  const auto detect = [&](const std::string& left, const std::string& right, const Words& more) {
+    Words words = {"detect", left, right, "--calib", "street/calib.yaml", "--json", "-"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_flies(folder.path(), words);
+  };
+  const RunResult refused = detect("left1024.png", "right1024.png", {});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("0.824 across and 0.853 down (then: --resized)"));
+  const RunResult resized = detect("left1024.png", "right1024.png", {"--resized"});
+  ASSERT_EQ(resized.status, 0) << resized.err;
+  const auto whole = json::parse(detect("street/left/000000.png", "street/right/000000.png", {}).out).at("obstacles");
+  const auto found = json::parse(resized.out).at("obstacles");
+  constexpr double kShare = 0.02, kNear_m = 15.0;  // farther away the lost pixels cost more than the scales could
+  int near = 0, same = 0;
+  for (const auto& obstacle : whole) {
+    const double range_m = obstacle.at("range_m").get<double>();
+    if (range_m > kNear_m) continue;
+    ++near;
+    if (const double other_m = range_near(found, obstacle); other_m > 0.0) {
+      ++same;
+      EXPECT_NEAR(other_m, range_m, kShare * range_m) << obstacle;
+    }
+  }
+  EXPECT_GE(near, 3);
+  EXPECT_GE(same, near - 1);
+}
 
 TEST_F(Reading, OneFileOfBothImagesIsAsGoodAsTwo) {
   const RunResult two = run("detect", {"left.png", "right.png", "--json", "-"}),

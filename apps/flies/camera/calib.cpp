@@ -37,6 +37,7 @@ flies::CalibrationRequest request_of(const CalibArguments& arguments) {
   flies::CalibrationRequest request;
   request.right_path = arguments.camera.right_calib;
   request.images_are_raw = arguments.camera.is_raw;
+  request.images_are_resized = arguments.camera.is_resized;
   fill_in(request, arguments.camera);
   if (arguments.size_px.size() == 2) {
     request.width_px = arguments.size_px[0];
@@ -231,12 +232,13 @@ void setup_calib(CLI::App& app) {
                       "extrinsics)");
   add_cameras_option(*command, arguments->camera,
                      "left and right camera, of KITTI (default 2,3), Kalibr, DepthAI, Basalt");
-  command->add_option("--size", arguments->size_px, "image size where the file has none")
+  command->add_option("--size", arguments->size_px, "of the images: where the file has none, or is for another")
       ->delimiter(',')
       ->expected(2)
       ->check(CLI::Range(1, 100000))
       ->type_name("W,H");
   add_raw_option(*command, arguments->camera);
+  add_resized_option(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   command->add_option("--write", arguments->format, "convert to: kitti, opencv, ros, yaml")->type_name("FORMAT");
   command->add_option("--output", arguments->output, "where to; else standard output. ros: left.yaml")

@@ -8,9 +8,9 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "flies/core/base64.hpp"
 #include "flies/classify/half.hpp"
 #include "flies/classify/shipped_model.hpp"
+#include "flies/core/base64.hpp"
 #include "flies/core/error.hpp"
 
 static_assert(std::endian::native == std::endian::little, "numbers in model files are little-endian");

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "flies/core/base64.hpp"
 #include "flies/classify/named_models.hpp"
+#include "flies/core/base64.hpp"
 #include "flies/core/error.hpp"
 
 namespace flies {

@@ -183,12 +183,12 @@ std::optional<double> one_scale(int from_width_px, int from_height_px, int to_wi
   return across;
 }
 
-StereoCamera scaled_camera(StereoCamera camera, double scale, int width_px, int height_px) {
-  camera.fx_px *= scale;
-  camera.fy_px *= scale;
-  camera.cx_px = scaled_centre_px(camera.cx_px, scale);
-  camera.cx_right_px = scaled_centre_px(camera.cx_right_px, scale);
-  camera.cy_px = scaled_centre_px(camera.cy_px, scale);
+StereoCamera scaled_camera(StereoCamera camera, ImageScale scale, int width_px, int height_px) {
+  camera.fx_px *= scale.across;
+  camera.fy_px *= scale.down;
+  camera.cx_px = scaled_centre_px(camera.cx_px, scale.across);
+  camera.cx_right_px = scaled_centre_px(camera.cx_right_px, scale.across);
+  camera.cy_px = scaled_centre_px(camera.cy_px, scale.down);
   camera.width_px = width_px;
   camera.height_px = height_px;
   return camera;

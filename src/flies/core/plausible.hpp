@@ -30,8 +30,13 @@ void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_
 /// The one scale between two sizes, within the rounding of a pixel; nothing when none fits.
 std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px);
 
-/// The camera after its images were resized by `scale` to this size.
-StereoCamera scaled_camera(StereoCamera camera, double scale, int width_px, int height_px);
+/// How images were resized.
+struct ImageScale {
+  double across = 1.0, down = 1.0;
+};
+
+/// The camera after its images were resized to this size.
+StereoCamera scaled_camera(StereoCamera camera, ImageScale scale, int width_px, int height_px);
 
 /// A coordinate of a pixel grid that was resized: centres of pixels lie at whole numbers.
 inline double scaled_centre_px(double centre_px, double scale) { return (centre_px + 0.5) * scale - 0.5; }

@@ -17,12 +17,12 @@ namespace flies {
 namespace {
 
 /// In order of recognition: the particular before the general.
-const std::array kFormats = {&detail::kPlainYaml,    &detail::kMiddlebury,      &detail::kKittiRaw,
-                             &detail::kKittiObject,  &detail::kKalibr,          &detail::kKittiOdometry,
-                             &detail::kOrbSlam,      &detail::kEuroc,           &detail::kZed,
-                             &detail::kDepthAi,      &detail::kBasalt,          &detail::kMatlab,
-                             &detail::kStereodemo,   &detail::kStixel,          &detail::kRosCameraInfo,
-                             &detail::kOpenCvStereo, &detail::kCameraMatrixText};
+const std::array kFormats = {&detail::kPlainYaml,     &detail::kMiddlebury,   &detail::kKittiRaw,
+                             &detail::kKittiObject,   &detail::kKalibr,       &detail::kKittiOdometry,
+                             &detail::kOrbSlam,       &detail::kEuroc,        &detail::kZed,
+                             &detail::kDepthAi,       &detail::kBasalt,       &detail::kMatlab,
+                             &detail::kStereodemo,    &detail::kStixel,       &detail::kCityscapes,
+                             &detail::kRosCameraInfo, &detail::kOpenCvStereo, &detail::kCameraMatrixText};
 
 const detail::CalibrationFormat& recognise(const NumberTable& table) {
   for (const auto* format : kFormats)
@@ -66,8 +66,8 @@ void check_baseline(const Calibration& calibration, const std::string& source) {
 /// nobody says otherwise at the bottom, which leaves the principal point where it was; rows that are missing at the top
 /// look like a camera that looks down, which the road tells.
 bool was_cut_off(const CalibrationRequest& request, const Calibration& calibration, int width_px, int height_px) {
-  return !calibration.rectifier && width_px == request.width_px && height_px > request.height_px &&
-         height_px < 2 * request.height_px &&
+  return !request.images_are_resized && !calibration.rectifier && width_px == request.width_px &&
+         height_px > request.height_px && height_px < 2 * request.height_px &&
          !detail::one_scale(width_px, height_px, request.width_px, request.height_px);
 }
 
@@ -99,14 +99,16 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
     camera.height_px = (*deduced)[1];
     check_camera_fits(camera, request.width_px, request.height_px, source);
   }
-  if (deduced && !detail::one_scale((*deduced)[0], (*deduced)[1], request.width_px, request.height_px))
+  if (deduced && !detail::scale_to_images((*deduced)[0], (*deduced)[1], request))
     throw InputError(
         source, "image size",
-        fmt::format("is not in the file, whose numbers are those of images of {} x {} px, not of {} x {} px: were they "
-                    "cropped, or resized by {:.3g} across and {:.3g} down? --calib-size W,H says what size it is for",
-                    (*deduced)[0], (*deduced)[1], request.width_px, request.height_px,
-                    static_cast<double>(request.width_px) / (*deduced)[0],
-                    static_cast<double>(request.height_px) / (*deduced)[1]));
+        fmt::format(
+            "is not in the file, whose numbers are those of images of {} x {} px, not of {} x {} px: were they "
+            "cropped, or resized by {:.3g} across and {:.3g} down (then: --resized)? --calib-size W,H says what "
+            "size it is for",
+            (*deduced)[0], (*deduced)[1], request.width_px, request.height_px,
+            static_cast<double>(request.width_px) / (*deduced)[0],
+            static_cast<double>(request.height_px) / (*deduced)[1]));
   if (deduced) {
     camera.width_px = (*deduced)[0];
     camera.height_px = (*deduced)[1];
@@ -114,6 +116,8 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
         "the file has no image size; its principal point ({:.1f}, {:.1f}) px is that of images of {} x {} px "
         "(--calib-size says otherwise)",
         camera.cx_px, camera.cy_px, camera.width_px, camera.height_px));
+  } else if (camera.width_px == 0 && request.images_are_resized) {
+    throw InputError(source, "image size", "is not in the file: say what the images were resized from (--calib-size)");
   } else if (camera.width_px == 0) {
     detail::check_size_of_unsized(camera, request.width_px, request.height_px, source);
     check_camera_fits(camera, request.width_px, request.height_px, source);
@@ -123,11 +127,9 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
   if (camera.width_px == request.width_px && camera.height_px == request.height_px) return;
   if (was_cut_off(request, calibration, camera.width_px, camera.height_px))
     return take_as_cut_off(request, calibration, camera.height_px);
-  const auto scale = detail::one_scale(camera.width_px, camera.height_px, request.width_px, request.height_px);
+  const auto scale = detail::scale_to_images(camera.width_px, camera.height_px, request);
   if (!scale || calibration.rectifier) return;  // told where the images are used; raw cameras were scaled before
-  calibration.notes.push_back(
-      fmt::format("the calibration is for {} x {} px, scaled by {:.4g} to the images of {} x {} px", camera.width_px,
-                  camera.height_px, *scale, request.width_px, request.height_px));
+  calibration.notes.push_back(detail::note_on_scale(camera.width_px, camera.height_px, *scale, request));
   camera = detail::scaled_camera(camera, *scale, request.width_px, request.height_px);
 }
 
@@ -150,7 +152,27 @@ std::optional<int> kitti_camera_of(const std::string& path) {
 
 }  // namespace
 
+std::optional<detail::ImageScale> detail::scale_to_images(int width_px, int height_px,
+                                                          const CalibrationRequest& request) {
+  if (const auto one = one_scale(width_px, height_px, request.width_px, request.height_px))
+    return ImageScale{*one, *one};
+  if (!request.images_are_resized || width_px <= 0 || height_px <= 0 || request.width_px <= 0) return std::nullopt;
+  return ImageScale{static_cast<double>(request.width_px) / width_px,
+                    static_cast<double>(request.height_px) / height_px};
+}
+
+std::string detail::note_on_scale(int width_px, int height_px, const ImageScale& scale,
+                                  const CalibrationRequest& request) {
+  const std::string by = scale.across == scale.down
+                             ? fmt::format("{:.4g}", scale.across)
+                             : fmt::format("{:.4g} across and {:.4g} down", scale.across, scale.down);
+  return fmt::format("the calibration is for {} x {} px, scaled by {} to the images of {} x {} px", width_px, height_px,
+                     by, request.width_px, request.height_px);
+}
+
 Calibration load_calibration(const std::string& path, const CalibrationRequest& request) {
+  if (request.images_are_resized && request.width_px <= 0)
+    throw InputError(path, "image size", "of the resized images is not known: say it (--size)");
   const auto table = read_number_table(path);
   const auto& format = recognise(table);
   if (request.cameras && !format.has_cameras)

@@ -23,6 +23,8 @@ struct CalibrationRequest {
   int height_px = 0;
   /// The images are as the cameras gave them: matters where a file says both what raw and what rectified images are.
   bool images_are_raw = false;
+  /// The images were resized from the calibration's size, as much across and down as the sizes say: cut off nowhere.
+  bool images_are_resized = false;
   int calibrated_width_px = 0;  ///< size that a file without one is for
   int calibrated_height_px = 0;
   std::optional<double> camera_height_m;  ///< these three overrule the file

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "flies/core/plausible.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/number_table.hpp"
 
@@ -18,7 +20,8 @@ struct CalibrationFormat {
 };
 
 extern const CalibrationFormat kKittiObject, kKittiRaw, kKittiOdometry, kMiddlebury, kPlainYaml, kRosCameraInfo,
-    kOpenCvStereo, kKalibr, kEuroc, kOrbSlam, kZed, kDepthAi, kBasalt, kMatlab, kCameraMatrixText, kStereodemo, kStixel;
+    kOpenCvStereo, kKalibr, kEuroc, kOrbSlam, kZed, kDepthAi, kBasalt, kMatlab, kCameraMatrixText, kStereodemo, kStixel,
+    kCityscapes;
 
 /// A 3 x 4 projection matrix and where it was read.
 struct ProjectionKey {
@@ -29,5 +32,11 @@ struct ProjectionKey {
 /// The rectified camera of two projection matrices K [I | t].
 /// @throws InputError when they are not the two halves of a rectified pair
 Calibration calibration_from_projections(const ProjectionKey& left, const ProjectionKey& right);
+
+/// How the images were resized from this size: by one scale, or by any that the request says.
+std::optional<ImageScale> scale_to_images(int width_px, int height_px, const CalibrationRequest& request);
+
+/// The sentence on it.
+std::string note_on_scale(int width_px, int height_px, const ImageScale& scale, const CalibrationRequest& request);
 
 }  // namespace flies::detail

@@ -65,6 +65,8 @@ Calibration read_kitti(const NumberTable& table, const CalibrationRequest& reque
   // A file of one pair leaves no choice.
   if (!request.cameras && table.has(key(0)) && table.has(key(1)) && !table.has(key(2)) && !table.has(key(3)))
     cameras = {0, 1};
+  constexpr int kLeft = 101, kRight = 103;  // as DrivingStereo numbers them
+  if (!request.cameras && table.has(key(kLeft)) && table.has(key(kRight))) cameras = {kLeft, kRight};
   for (const int camera : cameras)
     if (!table.has(key(camera)))
       throw InputError(table.source, key(camera), "is missing; choose the cameras of the images, e.g. 0 and 1");
@@ -81,16 +83,16 @@ Calibration read_kitti(const NumberTable& table, const CalibrationRequest& reque
 Calibration read_unrectified_kitti(const NumberTable& table, const CalibrationRequest& request) {
   const auto cameras = request.cameras.value_or(request.default_cameras);
   const auto key = [](const char* name, int camera) { return fmt::format("{}_{:02}", name, camera); };
-  const auto pose = [&](int camera) {
-    const auto& t = table.require(key("T", camera), 3);
-    return Pose{matrix_of(table, key("R", camera)), {t[0], t[1], t[2]}};
-  };
   const auto camera_of = [&](int camera) {
     return RawCamera{matrix_of(table, key("K", camera)), table.require(key("D", camera)), Lens::brown};
   };
   RawPair pair{{}, key("K", cameras[0]), key("K", cameras[1]), key("R", cameras[1])};
   const auto size = size_of_list(table, key("S", cameras[0]));
   pair.stereo = {size.width_px, size.height_px, camera_of(cameras[0]), camera_of(cameras[1]), {}, {}};
+  const auto pose = [&](int camera) {
+    const auto& t = table.require(key("T", camera), 3);
+    return Pose{rotation_of(table, key("R", camera), pair.notes), {t[0], t[1], t[2]}};
+  };
   set_pose(pair.stereo, chained(pose(cameras[1]), inverse(pose(cameras[0]))));
   return calibration_from_raw(std::move(pair), request, table.source);
 }
@@ -171,13 +173,15 @@ const CalibrationFormat kKittiObject{
       return read_kitti(table, request, "P{}", nullptr);
     }};
 
-const CalibrationFormat kKittiRaw{
-    "KITTI raw calib_cam_to_cam.txt", true, false,
-    [](const NumberTable& table) { return table.has("P_rect_00") || table.has("P_rect_02"); },
-    [](const NumberTable& table, const CalibrationRequest& request) {
-      return request.images_are_raw ? read_unrectified_kitti(table, request)
-                                    : read_kitti(table, request, "P_rect_{:02}", "S_rect_{:02}");
-    }};
+const CalibrationFormat kKittiRaw{"KITTI raw calib_cam_to_cam.txt", true, false,
+                                  [](const NumberTable& table) {
+                                    return table.has("P_rect_00") || table.has("P_rect_02") || table.has("P_rect_101");
+                                  },
+                                  [](const NumberTable& table, const CalibrationRequest& request) {
+                                    return request.images_are_raw
+                                               ? read_unrectified_kitti(table, request)
+                                               : read_kitti(table, request, "P_rect_{:02}", "S_rect_{:02}");
+                                  }};
 
 const CalibrationFormat kKittiOdometry{"KITTI odometry calib.txt", true, false,
                                        [](const NumberTable& table) {

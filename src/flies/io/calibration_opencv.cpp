@@ -1,35 +1,21 @@
 // What OpenCV's stereoCalibrate and stereoRectify leave behind, as YAML or XML.
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/opencv_names.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
 namespace flies::detail {
 namespace {
 
-/// The same matrix goes by several names in the wild; the first is that of OpenCV's own sample.
-using Names = std::initializer_list<const char*>;
-const Names kLeftIntrinsics = {"M1", "K1", "cameraMatrix1", "camera_matrix_1"};
-const Names kRightIntrinsics = {"M2", "K2", "cameraMatrix2", "camera_matrix_2"};
-const Names kLeftDistortion = {"D1", "distCoeffs1", "dist_coeffs_1"};
-const Names kRightDistortion = {"D2", "distCoeffs2", "dist_coeffs_2"};
-
-std::string key_of(const NumberTable& table, Names names) {
-  const auto found = std::find_if(names.begin(), names.end(), [&](const char* name) { return table.has(name); });
-  return found != names.end() ? *found : *names.begin();
-}
-
-ImageSize size_of(const NumberTable& table) {
-  for (const char* key : {"image_size", "imageSize", "size"})
-    if (table.has(key)) return size_of_list(table, key);
-  for (const auto& [width, height] :
-       {std::pair{"image_width", "image_height"}, std::pair{"imageWidth", "imageHeight"}, std::pair{"width", "height"}})
-    if (table.has(width) || table.has(height)) return {table.require_size(width), table.require_size(height)};
-  return {};
+ImageSize size_of(const NumberTable& table, const OpenCvNames& names) {
+  if (!names.size.empty()) return size_of_list(table, names.size);
+  if (names.sides[0].empty()) return {};
+  return {table.require_size(names.sides[0]), table.require_size(names.sides[1])};
 }
 
 /// First and last column, first and last row of a cropped image.
@@ -52,17 +38,32 @@ Lens named_lens(const NumberTable& table) {
   return Lens::brown;
 }
 
-Calibration read_raw(const NumberTable& table, const CalibrationRequest& request) {
-  const auto size = known_size(size_of(table), request);
+/// A camera matrix, or fx, fy, cx, cy.
+std::array<double, 9> intrinsics_of(const NumberTable& table, const std::string& key) {
+  constexpr std::size_t kFew = 4;
+  const auto& numbers = table.require(key);
+  if (numbers.size() != kFew) return matrix_of(table, key);
+  return camera_matrix(numbers[0], numbers[1], numbers[2], numbers[3]);
+}
+
+Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const CalibrationRequest& request) {
+  const auto size = known_size(size_of(table, names), request, table.source);
   const Lens lens = named_lens(table);
-  const std::string left = key_of(table, kLeftIntrinsics), right = key_of(table, kRightIntrinsics);
-  RawPair pair{{}, left, right, "R"};
+  const auto camera_of = [&](std::size_t side) {
+    return RawCamera{intrinsics_of(table, names.matrices[side]), table.require(names.distortions[side]), lens};
+  };
+  RawPair pair{{}, names.matrices[0], names.matrices[1], names.pose.empty() ? names.rotation : names.pose};
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
-  pair.stereo.left = {matrix_of(table, left), table.require(key_of(table, kLeftDistortion)), lens};
-  pair.stereo.right = {matrix_of(table, right), table.require(key_of(table, kRightDistortion)), lens};
-  const auto& t = table.require("T", 3);
-  set_pose(pair.stereo, {matrix_of(table, "R"), {t[0], t[1], t[2]}});
+  pair.stereo.left = camera_of(0);
+  pair.stereo.right = camera_of(1);
+  if (names.pose.empty()) {
+    const auto rotation = rotation_of(table, names.rotation, pair.notes);
+    const auto& t = table.require(names.translation, 3);
+    set_pose(pair.stereo, {rotation, {t[0], t[1], t[2]}});
+  } else {
+    set_pose(pair.stereo, pose_of(table, names.pose, pair.notes));
+  }
   return calibration_from_raw(std::move(pair), request, table.source);
 }
 
@@ -74,17 +75,19 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
     table.entries.insert(second.entries.begin(), second.entries.end());
     table.source += " with " + request.right_path;
   }
-  const bool has_rectified = table.has("P1") || table.has("P2");
-  const bool has_raw = table.has(key_of(table, kLeftIntrinsics)) && table.has("R") && table.has("T");
+  const OpenCvNames names = opencv_names(table);
+  const bool has_rectified = names.has_projections;
+  const bool has_raw = names.has_matrices && names.has_pose;
   // Intrinsics given as a file of their own say that the images are raw; beside P1 and P2 they are just the record of
   // the calibration.
-  if (request.images_are_raw || !has_rectified || (has_raw && has_second_file)) return read_raw(table, request);
+  if (request.images_are_raw || !has_rectified || (has_raw && has_second_file)) return read_raw(table, names, request);
 
   // Karlsruhe's sequences of 2010 have rows for the images as they were cropped, beside those of the whole ones.
   const bool is_cropped = table.has("P1_roi") && table.has("P2_roi");
-  auto calibration = is_cropped ? calibration_from_projections({table, "P1_roi"}, {table, "P2_roi"})
-                                : calibration_from_projections({table, "P1"}, {table, "P2"});
-  const auto [width_px, height_px] = is_cropped ? size_of_crop(table) : size_of(table);
+  auto calibration = is_cropped
+                         ? calibration_from_projections({table, "P1_roi"}, {table, "P2_roi"})
+                         : calibration_from_projections({table, names.projections[0]}, {table, names.projections[1]});
+  const auto [width_px, height_px] = is_cropped ? size_of_crop(table) : size_of(table, names);
   calibration.camera.width_px = width_px;
   calibration.camera.height_px = height_px;
   if (has_raw)
@@ -102,11 +105,8 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
 
 const CalibrationFormat kOpenCvStereo{"OpenCV stereo", false, true,
                                       [](const NumberTable& table) {
-                                        const auto has_any = [&](Names names) {
-                                          return table.has(key_of(table, names));
-                                        };
-                                        return (table.has("P1") && !table.has("P0")) || table.has("P2") ||
-                                               has_any(kLeftIntrinsics) || has_any(kRightIntrinsics);
+                                        const auto names = opencv_names(table);
+                                        return names.has_matrices || names.has_projections;
                                       },
                                       read_opencv};
 

@@ -66,7 +66,7 @@ struct RosCamera {
   std::string key(const char* of_file, const char* of_ros1, const char* of_ros2) const {
     return first_key({of_file, of_ros1, of_ros2}).value_or(prefix + of_file);
   }
-  RectifiedView view() const {
+  RectifiedView view(std::vector<std::string>& notes) const {
     RectifiedView view;
     view.camera.matrix = matrix_of(table, key("camera_matrix", "K", "k"));
     const std::string model_key = prefix + "distortion_model", distortion = key("distortion_coefficients", "D", "d");
@@ -74,7 +74,7 @@ struct RosCamera {
     if (const auto found = table.entries.find(distortion);
         found != table.entries.end() && !found->second.numbers.empty())
       view.camera.distortion = table.require(distortion);
-    view.rotation = matrix_of(table, key("rectification_matrix", "R", "r"));
+    view.rotation = rotation_of(table, key("rectification_matrix", "R", "r"), notes);
     view.projection = table.require(projection().key, 12);
     if (view.projection[0] == 0.0)
       throw InputError(table.source, projection().key, "found a focal length of 0, expected a positive one");
@@ -120,11 +120,11 @@ Calibration read_raw_ros_pair(const RosCamera& left, const RosCamera& right, con
                left.key("camera_matrix", "K", "k"),
                right.key("camera_matrix", "K", "k"),
                left.key("rectification_matrix", "R", "r")};
-  const auto left_view = left.view(), right_view = right.view();
+  const auto left_view = left.view(pair.notes), right_view = right.view(pair.notes);
   pair.stereo.left = left_view.camera;
   pair.stereo.right = right_view.camera;
   set_pose(pair.stereo, pose_of_views(left_view, right_view));
-  const auto size = known_size({left.width_px(), left.height_px()}, request);
+  const auto size = known_size({left.width_px(), left.height_px()}, request, left.table.source);
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   return calibration_from_raw(std::move(pair), request, left.table.source);

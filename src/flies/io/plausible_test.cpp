@@ -138,6 +138,30 @@ TEST(LoadCalibration, RefusesImagesOfAnotherShapeThanKittis) {
   EXPECT_NEAR(load_calibration(file, request).camera.fx_px, 721.5377 * 640 / 1242, 1e-6);
 }
 
+TEST(LoadCalibration, ScalesAcrossAndDownWhereImagesAreSaidToBeResized) {
+  const TemporaryFolder folder;
+  CalibrationRequest request;
+  request.width_px = 1024;
+  request.height_px = 320;
+  request.images_are_resized = true;
+  const std::string own = "fx_px: 721.5377\ncx_px: 609.5593\ncy_px: 172.854\nbaseline_m: 0.54\n";
+  for (const auto& file : {folder.write("calib.txt", kKittiWithoutSize),
+                           folder.write("calib.yaml", own + "width_px: 1242\nheight_px: 375\n")}) {
+    const auto resized = load_calibration(file, request);
+    EXPECT_NEAR(resized.camera.fx_px, 721.5377 * 1024 / 1242, 1e-6);
+    EXPECT_NEAR(resized.camera.fy_px, 721.5377 * 320 / 375, 1e-6);
+    EXPECT_NEAR(resized.camera.cy_px, 173.354 * 320 / 375 - 0.5, 1e-6);
+    EXPECT_EQ(resized.camera.height_px, 320);
+    EXPECT_THAT(resized.notes, ::testing::Contains(HasSubstr("scaled by 0.8245 across and 0.8533 down")));
+  }
+  const auto unsized =
+      folder.write("own.txt", "P0: 700 0 500 0 0 700 170 0 0 0 1 0\nP1: 700 0 500 -350 0 700 170 0 0 0 1 0\n");
+  EXPECT_THAT(error_of([&] { load_calibration(unsized, request); }), HasSubstr("what the images were resized from"));
+  request.calibrated_width_px = 1000;
+  request.calibrated_height_px = 340;
+  EXPECT_NEAR(load_calibration(unsized, request).camera.fx_px, 700.0 * 1024 / 1000, 1e-6);
+}
+
 TEST(LoadCalibration, GoesOnWithImagesWhoseRowsWereCutOffAndSaysSo) {
   const TemporaryFolder folder;
   const std::string kitti =
@@ -184,7 +208,7 @@ TEST(OneScale, FitsHalfTheSizeAndNotAStretchedOne) {
 }
 
 TEST(ScaledCamera, KeepsThePixelsUnderTheirRays) {
-  const auto half = scaled_camera(kCamera, 0.5, 621, 187);
+  const auto half = scaled_camera(kCamera, {0.5, 0.5}, 621, 187);
   EXPECT_DOUBLE_EQ(half.fx_px, 360.75);
   // The first pixel of the half picture covers columns 0 and 1 of the whole one, whose middle is 0.5.
   EXPECT_DOUBLE_EQ((0.0 - half.cx_px) / half.fx_px, (0.5 - kCamera.cx_px) / kCamera.fx_px);

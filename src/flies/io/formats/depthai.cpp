@@ -49,7 +49,8 @@ RawCamera read_camera(const NumberTable& table, const std::string& prefix) {
 
 /// Follows the poses of a socket until there is no next one.
 /// @returns for each socket on the way its pose: that socket from the first
-std::map<int, Pose> way_from(const NumberTable& table, const Sockets& sockets, int first) {
+std::map<int, Pose> way_from(const NumberTable& table, const Sockets& sockets, int first,
+                             std::vector<std::string>& notes) {
   std::map<int, Pose> way;
   Pose pose;
   for (int socket = first; sockets.contains(socket) && !way.contains(socket);) {
@@ -59,14 +60,16 @@ std::map<int, Pose> way_from(const NumberTable& table, const Sockets& sockets, i
     const int next = static_cast<int>(std::lround(table.require_number(extrinsics + "toCameraSocket")));
     if (next < 0) break;
     const auto axis = [&](const char* name) { return table.require_number(extrinsics + "translation." + name); };
-    pose = chained(Pose{matrix_of(table, extrinsics + "rotationMatrix"), {axis("x"), axis("y"), axis("z")}}, pose);
+    pose = chained(Pose{rotation_of(table, extrinsics + "rotationMatrix", notes), {axis("x"), axis("y"), axis("z")}},
+                   pose);
     socket = next;
   }
   return way;
 }
 
-Pose right_from_left(const NumberTable& table, const Sockets& sockets, int left, int right) {
-  const auto from_left = way_from(table, sockets, left), from_right = way_from(table, sockets, right);
+Pose right_from_left(const NumberTable& table, const Sockets& sockets, int left, int right,
+                     std::vector<std::string>& notes) {
+  const auto from_left = way_from(table, sockets, left, notes), from_right = way_from(table, sockets, right, notes);
   for (const auto& [socket, pose] : from_left)
     if (const auto meets = from_right.find(socket); meets != from_right.end())
       return scaled(chained(inverse(meets->second), pose), kMetresPerCentimetre);
@@ -87,7 +90,7 @@ Calibration read_depthai(const NumberTable& table, const CalibrationRequest& req
   pair.stereo.height_px = table.require_size(left_prefix + "height");
   pair.stereo.left = read_camera(table, left_prefix);
   pair.stereo.right = read_camera(table, right_prefix);
-  set_pose(pair.stereo, right_from_left(table, sockets, left, right));
+  set_pose(pair.stereo, right_from_left(table, sockets, left, right, pair.notes));
   auto calibration = calibration_from_raw(std::move(pair), request, table.source);
   calibration.left_name = fmt::format("socket {}", left);
   calibration.right_name = fmt::format("socket {}", right);

@@ -109,5 +109,19 @@ TEST(Formats, MatlabCountsFromOneAndMultipliesFromTheRight) {
   }
 }
 
+TEST(Formats, CityscapesSaysHowTheCameraStands) {
+  const TemporaryFolder folder;
+  const auto calibration = load_calibration(folder.write(
+      "camera.json",
+      "{\"extrinsic\": {\"baseline\": 0.209313, \"pitch\": 0.038, \"roll\": 0.0, \"x\": 1.7, \"y\": 0.1, \"yaw\": "
+      "-0.02, \"z\": 1.22}, \"intrinsic\": {\"fx\": 2262.52, \"fy\": 2265.3, \"u0\": 1096.98, \"v0\": 513.137}}"));
+  EXPECT_EQ(calibration.format, "Cityscapes camera.json");
+  EXPECT_EQ(calibration.camera.fy_px, 2265.3);
+  EXPECT_EQ(calibration.camera.baseline_m, 0.209313);
+  EXPECT_EQ(calibration.camera.mount.height_m, 1.22);
+  EXPECT_EQ(calibration.camera.mount.pitch_rad, 0.038);
+  EXPECT_TRUE(calibration.has_height && calibration.has_pitch);
+}
+
 }  // namespace
 }  // namespace flies

@@ -32,10 +32,21 @@ RawCamera read_camera(const NumberTable& table, const std::string& camera) {
   return raw;
 }
 
+/// Where a camera stands: the frame of the inertial unit in that of the camera, of files that do not chain cameras.
+/// OpenVINS writes the inverse of what Kalibr does.
+Pose from_inertial(const NumberTable& table, int camera, std::vector<std::string>& notes) {
+  const std::string of_kalibr = name_of(camera) + ".T_cam_imu", of_openvins = name_of(camera) + ".T_imu_cam";
+  return table.has(of_kalibr) ? pose_of(table, of_kalibr, notes) : inverse(pose_of(table, of_openvins, notes));
+}
+
+bool has_inertial(const NumberTable& table, int camera) {
+  return table.has(name_of(camera) + ".T_cam_imu") || table.has(name_of(camera) + ".T_imu_cam");
+}
+
 /// The pose of a camera in the frame of the first one: the file chains them.
-Pose from_first(const NumberTable& table, int camera) {
+Pose from_first(const NumberTable& table, int camera, std::vector<std::string>& notes) {
   Pose pose;
-  for (int i = 1; i <= camera; ++i) pose = chained(pose_of_rows(table.require(name_of(i) + ".T_cn_cnm1", 16)), pose);
+  for (int i = 1; i <= camera; ++i) pose = chained(pose_of(table, name_of(i) + ".T_cn_cnm1", notes), pose);
   return pose;
 }
 
@@ -45,7 +56,12 @@ Calibration read_kalibr(const NumberTable& table, const CalibrationRequest& requ
   RawPair pair{{}, left, right, right + ".T_cn_cnm1"};
   pair.stereo.left = read_camera(table, left);
   pair.stereo.right = read_camera(table, right);
-  set_pose(pair.stereo, chained(from_first(table, cameras[1]), inverse(from_first(table, cameras[0]))));
+  const bool is_chained =
+      table.has("cam1.T_cn_cnm1") || !has_inertial(table, cameras[0]) || !has_inertial(table, cameras[1]);
+  const auto from_origin = is_chained ? from_first : from_inertial;
+  const Pose right_from_origin = from_origin(table, cameras[1], pair.notes);
+  std::vector<std::string> told;  // of poses that the right camera has too, or none
+  set_pose(pair.stereo, chained(right_from_origin, inverse(from_origin(table, cameras[0], told))));
   const auto size = size_of_list(table, left + ".resolution"), other = size_of_list(table, right + ".resolution");
   if (size.width_px != other.width_px || size.height_px != other.height_px)
     throw InputError(table.source, right + ".resolution",

@@ -52,17 +52,22 @@ double metres_per_unit(const NumberTable& table, const std::string& prefix) {
                    fmt::format("found '{}', expected millimeters, centimeters, meters or inches", unit));
 }
 
-Pose read_pose(const NumberTable& table, const std::string& prefix) {
+Pose read_pose(const NumberTable& table, const std::string& prefix, std::vector<std::string>& notes) {
   const auto translation_of = [&](const std::string& key) {
     const auto& t = table.require(key, 3);
     return std::array{t[0], t[1], t[2]};
   };
-  if (table.has(prefix + "RotationOfCamera2"))  // multiplies from the right
-    return {transposed(matrix_of(table, prefix + "RotationOfCamera2")),
-            translation_of(prefix + "TranslationOfCamera2")};
+  if (const std::string key = prefix + "RotationOfCamera2"; table.has(key)) {
+    const auto rotation = rotation_of(table, key, notes);
+    const bool is_matrix = table.require(key).size() == rotation.size();  // which multiplies from the right
+    return {is_matrix ? transposed(rotation) : rotation, translation_of(prefix + "TranslationOfCamera2")};
+  }
   const std::string pose_key = prefix + "PoseCamera2";
-  if (table.has(pose_key + ".R")) return {matrix_of(table, pose_key + ".R"), translation_of(pose_key + ".Translation")};
-  return pose_of_rows(table.require(table.has(pose_key + ".A") ? pose_key + ".A" : pose_key, 16));
+  if (table.has(pose_key + ".R"))
+    return {rotation_of(table, pose_key + ".R", notes), translation_of(pose_key + ".Translation")};
+  for (const char* name : {".A", ".T"})  // of rigidtform3d, and of rigid3d, which is transposed
+    if (table.has(pose_key + name)) return pose_of(table, pose_key + name, notes);
+  return pose_of(table, pose_key, notes);
 }
 
 Calibration read_matlab(const NumberTable& table, const CalibrationRequest& request) {
@@ -71,13 +76,13 @@ Calibration read_matlab(const NumberTable& table, const CalibrationRequest& requ
   RawPair pair{{}, left + "IntrinsicMatrix", right + "IntrinsicMatrix", prefix + "RotationOfCamera2"};
   pair.stereo.left = read_camera(table, left);
   pair.stereo.right = read_camera(table, right);
-  set_pose(pair.stereo, scaled(read_pose(table, prefix), metres_per_unit(table, prefix)));
+  set_pose(pair.stereo, scaled(read_pose(table, prefix, pair.notes), metres_per_unit(table, prefix)));
   ImageSize of_file;
   if (const std::string key = left + "ImageSize"; table.has(key) && !table.require(key).empty()) {
     const auto rows_columns = size_of_list(table, key);
     of_file = {rows_columns.height_px, rows_columns.width_px};
   }
-  const auto size = known_size(of_file, request);
+  const auto size = known_size(of_file, request, table.source);
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   return calibration_from_raw(std::move(pair), request, table.source);

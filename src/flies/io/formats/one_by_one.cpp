@@ -56,7 +56,28 @@ Calibration read_stixel(const NumberTable& table, const CalibrationRequest&) {
   return calibration;
 }
 
+/// The camera of a Cityscapes picture: rectified, with its place on the car: metres and radians, the pitch positive
+/// when it looks down.
+Calibration read_cityscapes(const NumberTable& table, const CalibrationRequest&) {
+  const auto number = [&](const char* key) { return table.require_number(key); };
+  Calibration calibration;
+  auto& camera = calibration.camera;
+  camera = camera_of(number("intrinsic.fx"), number("intrinsic.fy"), number("intrinsic.u0"), number("intrinsic.v0"),
+                     number("extrinsic.baseline"));
+  calibration.has_height = table.has("extrinsic.z");
+  calibration.has_pitch = table.has("extrinsic.pitch");
+  if (calibration.has_height) camera.mount.height_m = number("extrinsic.z");
+  if (calibration.has_pitch) camera.mount.pitch_rad = number("extrinsic.pitch");
+  calibration.left_name = calibration.right_name = "intrinsic";
+  return calibration;
+}
+
 }  // namespace
+
+const CalibrationFormat kCityscapes{
+    "Cityscapes camera.json", false, false,
+    [](const NumberTable& table) { return table.has("extrinsic.baseline") && table.has("intrinsic.u0"); },
+    read_cityscapes};
 
 const CalibrationFormat kCameraMatrixText{"FoundationStereo K.txt", false, false,
                                           [](const NumberTable& table) { return table.has(kBareNumbers); }, read_k_txt};

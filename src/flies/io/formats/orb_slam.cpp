@@ -51,26 +51,26 @@ Calibration read_rectified(const NumberTable& table, const std::string& prefix) 
 }
 
 /// ORB-SLAM2 of raw images: how each of them is rectified.
-RectifiedView read_view(const NumberTable& table, const std::string& side) {
+RectifiedView read_view(const NumberTable& table, const std::string& side, std::vector<std::string>& notes) {
   RectifiedView view;
   view.camera.matrix = matrix_of(table, side + ".K");
   view.camera.distortion = table.require(side + ".D");
-  view.rotation = matrix_of(table, side + ".R");
+  view.rotation = rotation_of(table, side + ".R", notes);
   view.projection = table.require(side + ".P", 12);
   if (view.projection[0] == 0.0) throw InputError(table.source, side + ".P", "found a focal length of 0");
   return view;
 }
 
 Calibration read_views(const NumberTable& table, const CalibrationRequest& request) {
-  const auto left = read_view(table, "LEFT"), right = read_view(table, "RIGHT");
   RawPair pair{{}, "LEFT.K", "RIGHT.K", "LEFT.R, RIGHT.R"};
+  const auto left = read_view(table, "LEFT", pair.notes), right = read_view(table, "RIGHT", pair.notes);
   pair.stereo.left = left.camera;
   pair.stereo.right = right.camera;
   set_pose(pair.stereo, pose_of_views(left, right));
   const ImageSize own = table.has("LEFT.width")
                             ? ImageSize{table.require_size("LEFT.width"), table.require_size("LEFT.height")}
                             : size_of(table);
-  const auto size = known_size(own, request);
+  const auto size = known_size(own, request, table.source);
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   return calibration_from_raw(std::move(pair), request, table.source);
@@ -86,11 +86,8 @@ Calibration read_orb_slam(const NumberTable& table, const CalibrationRequest& re
   RawPair pair{{}, left + "fx", "Camera2.fx", pose_key};
   pair.stereo.left = read_camera(table, left, lens);
   pair.stereo.right = read_camera(table, "Camera2.", lens);
-  const auto& rows = table.require(pose_key);
-  if (rows.size() != 12 && rows.size() != 16)
-    throw InputError(table.source, pose_key, fmt::format("found {} numbers, expected 12 or 16", rows.size()));
-  set_pose(pair.stereo, inverse(pose_of_rows(rows)));
-  const auto size = known_size(size_of(table), request);
+  set_pose(pair.stereo, inverse(pose_of(table, pose_key, pair.notes)));
+  const auto size = known_size(size_of(table), request, table.source);
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   return calibration_from_raw(std::move(pair), request, table.source);

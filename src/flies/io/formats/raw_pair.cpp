@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/core/plausible.hpp"
@@ -73,13 +74,13 @@ void check_distortion(const RawCamera& camera, const std::string& key, const std
 }
 
 /// The camera matrix of images that were resized.
-void scale(RawCamera& camera, double by) {
+void scale(RawCamera& camera, ImageScale by) {
   auto& m = camera.matrix;
-  m[0] *= by;
-  m[1] *= by;
-  m[4] *= by;
-  m[2] = scaled_centre_px(m[2], by);
-  m[5] = scaled_centre_px(m[5], by);
+  m[0] *= by.across;
+  m[1] *= by.across;
+  m[4] *= by.down;
+  m[2] = scaled_centre_px(m[2], by.across);
+  m[5] = scaled_centre_px(m[5], by.down);
 }
 
 void check(const RawPair& pair, const std::string& source) {
@@ -105,11 +106,12 @@ Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request
     if (camera->lens == Lens::brown && camera->distortion.empty()) camera->distortion.assign(5, 0.0);
   check(pair, source);
   Calibration calibration;
-  const auto by = one_scale(raw.width_px, raw.height_px, request.width_px, request.height_px);
+  calibration.notes = std::move(pair.notes);
+  if (auto note = check_turn(raw.rotation, source, pair.pose_key); !note.empty())
+    calibration.notes.push_back(std::move(note));
+  const auto by = scale_to_images(raw.width_px, raw.height_px, request);
   if (by && (raw.width_px != request.width_px || raw.height_px != request.height_px)) {
-    calibration.notes.push_back(
-        fmt::format("the calibration is for {} x {} px, scaled by {:.4g} to the images of {} x {} px", raw.width_px,
-                    raw.height_px, *by, request.width_px, request.height_px));
+    calibration.notes.push_back(note_on_scale(raw.width_px, raw.height_px, *by, request));
     scale(raw.left, *by);
     scale(raw.right, *by);
     raw.width_px = request.width_px;
@@ -169,9 +171,11 @@ ImageSize size_of_list(const NumberTable& table, const std::string& key) {
   return {pixels(size[0]), pixels(size[1])};
 }
 
-ImageSize known_size(ImageSize of_file, const CalibrationRequest& request) {
+ImageSize known_size(ImageSize of_file, const CalibrationRequest& request, const std::string& source) {
   if (of_file.width_px > 0) return of_file;
   if (request.calibrated_width_px > 0) return {request.calibrated_width_px, request.calibrated_height_px};
+  if (request.images_are_resized)
+    throw InputError(source, "image size", "is not in the file: say what the images were resized from (--calib-size)");
   return {request.width_px, request.height_px};
 }
 

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "flies/io/calibration_formats.hpp"
-#include "flies/io/formats/pose.hpp"
+#include "flies/io/formats/pose_reading.hpp"
 #include "flies/io/rectifier.hpp"
 
 namespace flies::detail {
@@ -11,8 +12,9 @@ namespace flies::detail {
 /// Two raw cameras and the keys that they were read from, which name them in errors and notes.
 struct RawPair {
   RawStereo stereo;
-  std::string left_key, right_key;  ///< "cam0", "M1", ...
-  std::string pose_key;             ///< "T_cn_cnm1", "R", ...
+  std::string left_key, right_key;      ///< "cam0", "M1", ...
+  std::string pose_key;                 ///< "T_cn_cnm1", "R", ...
+  std::vector<std::string> notes = {};  ///< on how they were read
 };
 
 /// The camera that sees the rectified images, and what rectifies them; scaled to the images that are asked for.
@@ -43,7 +45,8 @@ struct ImageSize {
 };
 ImageSize size_of_list(const NumberTable& table, const std::string& key);  ///< of a list: width, height
 /// The size of the file, else the one that the user gave for it, else that of the images.
-ImageSize known_size(ImageSize of_file, const CalibrationRequest& request);
+/// @throws InputError when that of the images is not that of the file, which was resized
+ImageSize known_size(ImageSize of_file, const CalibrationRequest& request, const std::string& source);
 
 /// What ROS and ORB-SLAM write of a raw camera: how it is rectified.
 struct RectifiedView {

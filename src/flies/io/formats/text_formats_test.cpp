@@ -148,5 +148,18 @@ TEST(Formats, ReadsFilesAsPeopleHaveThem) {
   EXPECT_NEAR(sensors.camera.cy_px, 227.51, 1e-2);
 }
 
+TEST(Formats, DrivingStereoHasNumbersOfItsOwn) {
+  const TemporaryFolder folder;
+  const auto calibration = load_calibration(
+      folder.write("2018-07-09-16-11-56.txt",
+                   "calib_time: 2018-07-09\nS_101: 1920 1200\nK_101: 2063 0 978 0 2063 584 0 0 1\nS_rect_101: 881 400\n"
+                   "P_rect_101: 1003.56 0 460.25 0 0 1003.56 193.02 0 0 0 1 0\nS_103: 1920 1200\n"
+                   "S_rect_103: 881 400\nP_rect_103: 1003.56 0 460.25 -543.93 0 1003.56 193.02 0 0 0 1 0\n"));
+  EXPECT_EQ(calibration.format, "KITTI raw calib_cam_to_cam.txt");
+  EXPECT_EQ(calibration.left_name, "P_rect_101");
+  EXPECT_EQ(calibration.camera.width_px, 881);
+  EXPECT_NEAR(calibration.camera.baseline_m, 0.542, 1e-3);
+}
+
 }  // namespace
 }  // namespace flies

@@ -1,11 +1,11 @@
 // SN*.conf of the ZED cameras: https://www.stereolabs.com/docs/opencv/calibration; lengths in millimetres.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <optional>
 
 #include "flies/core/error.hpp"
 #include "flies/core/plausible.hpp"
+#include "flies/io/formats/pose_reading.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
 namespace flies::detail {
@@ -26,22 +26,25 @@ bool has_mode(const NumberTable& table, const Mode& mode) {
   return table.has(fmt::format("LEFT_CAM_{}.fx", mode.name));
 }
 
-/// The mode of images of this size, or one that they were resized from; the first of the file when no size is asked
-/// for.
+/// The mode of images of this size, or one that they were resized from: by one scale, or the one that the user says;
+/// the first of the file when no size is asked for.
 const Mode& mode_of(const NumberTable& table, const CalibrationRequest& request) {
   const Mode* like = nullptr;
   std::string known;
   for (const Mode& mode : kModes) {
     if (!has_mode(table, mode)) continue;
-    if (request.width_px == 0 || (mode.width_px == request.width_px && mode.height_px == request.height_px))
+    const bool is_said = request.images_are_resized && mode.width_px == request.calibrated_width_px &&
+                         mode.height_px == request.calibrated_height_px;
+    if (request.width_px == 0 || is_said || (mode.width_px == request.width_px && mode.height_px == request.height_px))
       return mode;
     if (like == nullptr && one_scale(mode.width_px, mode.height_px, request.width_px, request.height_px)) like = &mode;
     known += fmt::format("{}{} x {}", known.empty() ? "" : ", ", mode.width_px, mode.height_px);
   }
   if (like != nullptr) return *like;
   throw InputError(table.source, "image size",
-                   fmt::format("{} x {} px is none of the modes of this file: {}", request.width_px, request.height_px,
-                               known.empty() ? "none known" : known));
+                   fmt::format("{} x {} px is none of the modes of this file: {}; of images that were resized by other "
+                               "scales across and down, say which: --resized --calib-size W,H",
+                               request.width_px, request.height_px, known.empty() ? "none known" : known));
 }
 
 RawCamera read_camera(const NumberTable& table, const std::string& side, const Mode& mode) {
@@ -60,16 +63,6 @@ RawCamera read_camera(const NumberTable& table, const std::string& side, const M
   return raw;
 }
 
-/// Rodrigues' formula.
-std::array<double, 9> rotation_of(const std::array<double, 3>& axis_angle) {
-  const double angle = std::hypot(axis_angle[0], axis_angle[1], axis_angle[2]);
-  if (angle == 0.0) return Pose{}.rotation;
-  const double x = axis_angle[0] / angle, y = axis_angle[1] / angle, z = axis_angle[2] / angle;
-  const double c = std::cos(angle), s = std::sin(angle), d = 1.0 - c;
-  return {c + x * x * d,     x * y * d - z * s, x * z * d + y * s, y * x * d + z * s, c + y * y * d,
-          y * z * d - x * s, z * x * d - y * s, z * y * d + x * s, c + z * z * d};
-}
-
 Calibration read_zed(const NumberTable& table, const CalibrationRequest& request) {
   const Mode& mode = mode_of(table, request);
   RawPair pair{{mode.width_px, mode.height_px, read_camera(table, "LEFT", mode), read_camera(table, "RIGHT", mode)},
@@ -79,7 +72,7 @@ Calibration read_zed(const NumberTable& table, const CalibrationRequest& request
   const auto stereo = [&](const std::string& name) { return table.require_number("STEREO." + name); };
   const auto stereo_or_0 = [&](const std::string& name) { return table.has("STEREO." + name) ? stereo(name) : 0.0; };
   const auto turn = [&](const char* axis) { return stereo(fmt::format("{}_{}", axis, mode.name)); };
-  Pose right_from_left{rotation_of({turn("RX"), turn("CV"), turn("RZ")}),
+  Pose right_from_left{rotation_about({turn("RX"), turn("CV"), turn("RZ")}),
                        {-stereo("Baseline"), stereo_or_0("TY"), stereo_or_0("TZ")}};
   set_pose(pair.stereo, scaled(right_from_left, kMetresPerMillimetre));
   return calibration_from_raw(std::move(pair), request, table.source);

@@ -1,0 +1,137 @@
+#include "flies/io/formats/opencv_names.hpp"
+
+#include <cctype>
+#include <map>
+#include <string_view>
+#include <vector>
+
+namespace flies::detail {
+namespace {
+
+using Words = std::vector<std::string>;
+using Pair = std::array<std::string, 2>;
+
+/// What stands before or behind the name of a matrix. "0" and "1" come last: "1" alone is the left one.
+const std::vector<Pair> kSides = {{"1", "2"},
+                                  {"l", "r"},
+                                  {"left", "right"},
+                                  {"leftcamera", "rightcamera"},
+                                  {"leftcam", "rightcam"},
+                                  {"cameraleft", "cameraright"},
+                                  {"camleft", "camright"},
+                                  {"camera1", "camera2"},
+                                  {"cam1", "cam2"},
+                                  {"0", "1"},
+                                  {"camera0", "camera1"},
+                                  {"cam0", "cam1"}};
+
+const Words kMatrix = {"m",          "k",         "cameramatrix",    "matrix",       "mtx",
+                       "intrinsics", "intrinsic", "intrinsicmatrix", "intrinsicmtx", "cameraintrinsics",
+                       "cammat",     "cameramat"};
+const Words kDistortion = {"d",
+                           "distcoeffs",
+                           "distcoeff",
+                           "dist",
+                           "distortion",
+                           "distortioncoefficients",
+                           "distortioncoeffs",
+                           "distortioncoeff",
+                           "distortions",
+                           "distortionvector",
+                           "discoeffs",
+                           "disto"};
+const Words kProjection = {"p", "projection", "projectionmatrix", "proj", "projmatrix", "projmat"};
+const Words kRotation = {"r",    "rotation", "rotationmatrix", "rot",    "rotmatrix", "rmat", "rmatrix",
+                         "rvec", "om",       "rotationvector", "rotvec", "rodrigues"};
+const Words kTranslation = {"t",    "translation", "translationvector", "trans", "trns", "transvector", "tvec",
+                            "tmat", "tvector"};
+const Words kPose = {"rt", "pose", "extrinsics", "extrinsic", "extrinsicmatrix", "transform", "transformation"};
+const Words kOfBoth = {"", "stereo", "extrinsics", "extrinsic", "stereoparams", "camera2", "cam2"};
+const Words kSize = {"imagesize", "imgsize", "size", "resolution", "imageresolution"};
+const std::vector<Pair> kWidthHeight = {{"imagewidth", "imageheight"},         {"width", "height"},
+                                        {"imagesizewidth", "imagesizeheight"}, {"imgwidth", "imgheight"},
+                                        {"sizewidth", "sizeheight"},           {"resolutionwidth", "resolutionheight"}};
+
+/// The keys of a file by their letters and digits, small.
+class Keys {
+ public:
+  /// @param single those of single numbers, or all others: k1 may be a coefficient of distortion, and K1 a matrix
+  Keys(const NumberTable& table, bool single) {
+    for (const auto& [key, entry] : table.entries) {
+      if ((entry.numbers.size() == 1) != single) continue;
+      std::string plain;
+      for (const char c : key)
+        if (std::isalnum(static_cast<unsigned char>(c)))
+          plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      keys_.emplace(plain, key);
+    }
+  }
+  std::string find(const std::string& plain) const {
+    const auto found = keys_.find(plain);
+    return found == keys_.end() ? "" : found->second;
+  }
+  std::string find_first(const Words& prefixes, const Words& names) const {
+    for (const auto& prefix : prefixes)
+      for (const auto& name : names)
+        if (auto key = find(prefix + name); !key.empty()) return key;
+    return "";
+  }
+  std::string find_of_side(const Words& names, const std::string& side) const {
+    for (const auto& name : names)
+      for (const auto& plain : {name + side, side + name})
+        if (auto key = find(plain); !key.empty()) return key;
+    return "";
+  }
+  /// Of both sides; when no pair of sides is there, of the first side that is.
+  Pair find_of_sides(const Words& names) const {
+    Pair one;
+    for (const auto& [left, right] : kSides) {
+      const Pair found = {find_of_side(names, left), find_of_side(names, right)};
+      if (!found[0].empty() && !found[1].empty()) return found;
+      if (one[0].empty() && one[1].empty()) one = found;
+    }
+    return one;
+  }
+
+ private:
+  std::map<std::string, std::string> keys_;
+};
+
+Pair or_else(const Pair& found, const Pair& otherwise) {
+  return {found[0].empty() ? otherwise[0] : found[0], found[1].empty() ? otherwise[1] : found[1]};
+}
+
+std::string or_else(const std::string& found, const char* otherwise) { return found.empty() ? otherwise : found; }
+
+}  // namespace
+
+OpenCvNames opencv_names(const NumberTable& table) {
+  const Keys keys(table, false), single(table, true);
+  const auto has_any = [](const Pair& pair) { return !pair[0].empty() || !pair[1].empty(); };
+  const Pair matrices = keys.find_of_sides(kMatrix), projections = keys.find_of_sides(kProjection);
+  const std::string rotation = keys.find_first(kOfBoth, kRotation);
+  const std::string translation = keys.find_first(kOfBoth, kTranslation);
+  OpenCvNames names;
+  names.has_matrices = has_any(matrices);
+  names.has_projections = has_any(projections);
+  names.matrices = or_else(matrices, {"M1", "M2"});
+  names.distortions = or_else(keys.find_of_sides(kDistortion), {"D1", "D2"});
+  names.projections = or_else(projections, {"P1", "P2"});
+  names.pose = keys.find_first({""}, kPose);
+  constexpr std::size_t kVector = 3;
+  if (const auto t = table.entries.find(translation); t != table.entries.end() && t->second.numbers.size() > kVector)
+    names.pose = translation;
+  names.has_pose = !names.pose.empty() || (!rotation.empty() && !translation.empty());
+  names.rotation = or_else(rotation, "R");
+  names.translation = or_else(translation, "T");
+  names.size = keys.find_first({""}, kSize);
+  for (const auto& [width, height] : kWidthHeight) {
+    const Pair found = {single.find(width), single.find(height)};
+    if (!has_any(found)) continue;
+    names.sides = or_else(found, {"image_width", "image_height"});
+    break;
+  }
+  return names;
+}
+
+}  // namespace flies::detail

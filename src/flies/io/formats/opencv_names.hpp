@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "flies/io/number_table.hpp"
+
+namespace flies::detail {
+
+/// How a file calls what OpenCV's stereoCalibrate and stereoRectify give: M1, cameraMatrixL, left_camera_matrix,
+/// left.K, mtxL, ... Case and everything but letters and digits do not count.
+struct OpenCvNames {
+  /// Of left and right; those of OpenCV's own sample where the file has none.
+  std::array<std::string, 2> matrices, distortions, projections;
+  std::string rotation, translation;  ///< R or a rotation vector, T; of OpenCV's sample where the file has none
+  std::string pose;                   ///< both in one matrix; empty where the file has none
+  std::string size;                   ///< a list: width, height; empty where the file has none
+  std::array<std::string, 2> sides;   ///< width and height, one each; empty where the file has neither
+
+  bool has_matrices = false;     ///< of one camera at least
+  bool has_projections = false;  ///< likewise
+  bool has_pose = false;         ///< rotation and translation, in one matrix or two
+};
+
+OpenCvNames opencv_names(const NumberTable& table);
+
+}  // namespace flies::detail
