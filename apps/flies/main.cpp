@@ -159,8 +159,11 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
 #endif
   keep_memory_of_pictures();
-  end_cleanly_on_signals();
   try {
+#ifdef FLIES_HAS_TRAINER
+    if (is_network_training(argc, argv)) become_network_trainer(argc, argv);
+#endif
+    end_cleanly_on_signals();
     return run(argc, argv);
   } catch (const flies::InputError& error) {
     return complain(error.what(), kExitInputFault);

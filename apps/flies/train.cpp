@@ -208,6 +208,9 @@ void add_training_options(CLI::App& command, TrainArguments& arguments) {
 void setup_train(CLI::App& app) {
   CLI::App* command = app.add_subcommand("train", "train a people model on own pictures");
   const auto arguments = std::make_shared<TrainArguments>();
+  // For help and completion: `main` has given the command line away where this is in it.
+  command->add_flag_callback(
+      "--network", [] {}, "train a network of convolutions instead, with flies-train-network, which has other options");
   command
       ->add_option("--positives", arguments->positives,
                    "folders of people: crops of one person each, or pictures with Pascal VOC, KITTI or YOLO labels")
@@ -241,6 +244,7 @@ void setup_train(CLI::App& app) {
       "\nExample:\n"
       "  flies train --positives people/positives --negatives people/negatives --kernel rbf --out mine.json\n"
       "  flies detect left.png right.png --calib calib.txt --model mine.json\n"
+      "  flies train --network --help           the options of a network's training\n"
       "\nExit status: 0 done, 2 a fault in the input, told in one line.");
   command->callback([arguments] { run_train(*arguments); });
 }

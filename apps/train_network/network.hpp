@@ -2,7 +2,6 @@
 
 #include <torch/torch.h>
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,12 +10,18 @@
 
 namespace flies {
 
+/// Windows, one after the other, as the network takes them; the tensor looks at `pixels` and does not own them.
+torch::Tensor batch_of(std::vector<float>& pixels, std::size_t count);
+
 /// The network while it is trained: convolutions, each followed by batch normalisation and rectification, then one sum.
 class Network {
  public:
   Network();
 
   torch::nn::Sequential& module() { return module_; }
+
+  /// Sizes of all its weights, as text: tells networks of other shapes apart.
+  std::string shape();
 
   /// One score a window, as the network is now.
   std::vector<float> scores(const std::vector<Picture>& pictures, const std::vector<Place>& places);
@@ -32,18 +37,5 @@ class Network {
   std::vector<torch::nn::BatchNorm2d> normals_;
   torch::nn::Linear last_ = nullptr;
 };
-
-struct LearningOptions {
-  std::uint64_t seed = 1;
-  int epochs = 24;
-  int steps = 400;  ///< batches an epoch
-};
-
-/// Called after every epoch: its number from 1, the mean loss, hard windows without people known so far.
-using LearningProgress = std::function<void(int epoch, double loss, std::size_t hard)>;
-
-/// Trains on half people and half background, of which half is what the network took for people before.
-void learn(Network& network, const std::vector<Picture>& pictures, const LearningOptions& options,
-           const LearningProgress& progress);
 
 }  // namespace flies

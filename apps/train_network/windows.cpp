@@ -131,6 +131,17 @@ void add_people_of_pairs(std::span<const std::string> folders, std::vector<Pictu
   }
 }
 
+/// @throws InputError naming the folder when there is no person or no place without people to learn from, or to
+/// judge by
+void check_both_kinds(const std::string& folder, std::span<const Picture> pictures, const std::string& purpose) {
+  const auto has_people = [](const Picture& picture) { return !picture.people.empty(); };
+  const auto has_background = [](const Picture& picture) { return picture.has_background && !picture.has_proposals; };
+  if (std::none_of(pictures.begin(), pictures.end(), has_people))
+    throw InputError(folder, "", "found no person of 40 px or more in full view " + purpose);
+  if (std::none_of(pictures.begin(), pictures.end(), has_background))
+    throw InputError(folder, "", "found no picture without people or with all people labelled " + purpose);
+}
+
 void append(std::vector<Picture>& to, std::vector<Picture> pictures) {
   std::move(pictures.begin(), pictures.end(), std::back_inserter(to));
 }
@@ -163,6 +174,9 @@ NetworkData load_network_data(const DataFolders& folders) {
   auto pairs = loaded(find_proposals(folders.stereo, options));
   add_people_of_pairs(folders.stereo, pairs);
   append(data.learnt, std::move(pairs));
+  check_both_kinds(folders.people, data.learnt, "to learn from");
+  if (folders.keep_apart)
+    check_both_kinds(folders.people, data.kept_apart, "among those kept apart, every second run of numbers");
   return data;
 }
 
@@ -182,7 +196,8 @@ BackgroundPlaces::BackgroundPlaces(std::span<const Picture> pictures) : pictures
 
 Place BackgroundPlaces::draw(Random& random) const {
   constexpr double kMinHeight_px = 55.0, kProposedShare = 0.2, kBesidePeople = 0.3;
-  for (;;) {
+  constexpr int kMostTries = 1'000'000;  // a picture that people fill has no such place
+  for (int tries = 0; tries < kMostTries; ++tries) {
     const bool is_proposed = !proposed_.empty() && uniform(random, 0.0, 1.0) < kProposedShare;
     const auto& some = is_proposed ? proposed_ : random_;
     const std::uint32_t index = some[below(random, some.size())];
@@ -208,6 +223,8 @@ Place BackgroundPlaces::draw(Random& random) const {
     }
     if (is_clear(window, picture)) return {index, window};
   }
+  throw InputError("pictures", "",
+                   "found no room for windows without people in them; add larger ones, or some without people");
 }
 
 ImageBox jittered(const ImageBox& window, Random& random) {

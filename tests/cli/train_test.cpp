@@ -98,5 +98,43 @@ TEST_F(Train, NamesADamagedPicture) {
   EXPECT_THAT(result.err, HasSubstr("people/105.png"));
 }
 
+/// A folder with the program, where only what a test puts there is beside it.
+struct TrainNetwork : ::testing::Test {
+  TrainNetwork() { std::filesystem::copy_file(FLIES_BINARY, folder.path() / "flies"); }
+  RunResult run(const std::string& words) const {
+    const RunResult result = run_flies(folder.path(), {}, "./flies " + words + "; echo $? > status; true");
+    return {std::stoi(read_text(folder.path() / "status")), result.out, result.err};
+  }
+  void write_trainer(const std::string& script) const {
+    write_text(folder.path() / "flies-train-network", "#!/bin/sh\n" + script);
+    std::filesystem::permissions(folder.path() / "flies-train-network", std::filesystem::perms::owner_all);
+  }
+  TestFolder folder;
+};
+
+TEST_F(TrainNetwork, SaysWhatIsMissingWhereNobodyBuiltTheTrainer) {
+  const RunResult result = run("train --network --people people --out net.json");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("needs the program flies-train-network beside flies"));
+  EXPECT_THAT(result.err, HasSubstr("libtorch-dev"));
+  EXPECT_EQ(lines(result.err).size(), 1U) << result.err;
+}
+
+TEST_F(TrainNetwork, GivesTheTrainerAllOtherArgumentsAndReturnsItsStatus) {
+  write_trainer("printf '<%s>' \"$@\"; exit 7\n");
+  const RunResult result = run("train --people 'my people' --network --out net.json --help");
+  EXPECT_EQ(result.out, "<--people><my people><--out><net.json><--help>") << result.err;
+  EXPECT_EQ(result.status, 7);
+}
+
+TEST_F(TrainNetwork, LetsSignalsReachTheTrainer) {
+  write_trainer("kill -TERM $$; sleep 20; echo survived\n");
+  EXPECT_EQ(run("train --network").status, 128 + 15);
+}
+
+TEST_F(TrainNetwork, IsInTheHelpOfTrain) {
+  EXPECT_THAT(run("train --help").out, HasSubstr("flies train --network --help"));
+}
+
 }  // namespace
 }  // namespace flies::testing

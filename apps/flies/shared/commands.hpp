@@ -19,3 +19,11 @@ void setup_bench(CLI::App& app);
 void setup_config(CLI::App& app);
 void setup_info(CLI::App& app);
 void setup_completion(CLI::App& app);
+
+/// Whether the command line is that of `flies train --network`, which is a program of its own: it needs libtorch, and
+/// nobody who only detects shall load that.
+bool is_network_training(int argc, char** argv);
+
+/// Becomes that program, flies-train-network, with all the other arguments; its exit status is then the process's.
+/// @throws flies::InputError when it is not there, with what to do, or cannot be started
+[[noreturn]] void become_network_trainer(int argc, char** argv);

@@ -12,6 +12,7 @@
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
 #include "flies/io/output_file.hpp"
+#include "flies/train/fingerprint.hpp"
 
 namespace flies {
 namespace {
@@ -55,42 +56,25 @@ InputError damaged(const fs::path& file) {
   return {file.string(), "", "is damaged, expected the state of a training; remove it to start again"};
 }
 
-/// FNV-1a with 64 bits over texts and numbers.
-class Hash {
- public:
-  void add(std::string_view bytes) {
-    for (const char byte : bytes) hash_ = (hash_ ^ static_cast<unsigned char>(byte)) * 0x100000001b3U;
-    hash_ = (hash_ ^ 0x1FFU) * 0x100000001b3U;  // keeps "ab", "c" apart from "a", "bc"
-  }
-  void add(std::span<const ImageBox> boxes) {
-    for (const auto& box : boxes) add(fmt::format("{} {} {} {}", box.u_px, box.v_px, box.width_px, box.height_px));
-    add("end");
-  }
-  std::string text() const { return fmt::format("{:016x}", hash_); }
-
- private:
-  std::uint64_t hash_ = 0xcbf29ce484222325U;
-};
-
 }  // namespace
 
 std::string fingerprint_of(std::span<const TrainingPicture> people, std::span<const TrainingPicture> background,
                            const TrainOptions& options) {
-  Hash hash;
+  Fingerprint fingerprint;
   for (const auto& listing : list_options(options))
-    if (listing.path != "threads") hash.add(listing.path + "=" + listing.value);
+    if (listing.path != "threads") fingerprint.add(listing.path + "=" + listing.value);
   for (const auto& pictures : {people, background}) {
     for (const auto& picture : pictures) {
       std::error_code error;
-      hash.add(picture.path);
-      hash.add(fmt::format("{}", fs::file_size(picture.path, error)));
-      hash.add(picture.people);
-      hash.add(picture.unclear);
-      hash.add(picture.proposals);
+      fingerprint.add(picture.path);
+      fingerprint.add(fmt::format("{}", fs::file_size(picture.path, error)));
+      fingerprint.add(picture.people);
+      fingerprint.add(picture.unclear);
+      fingerprint.add(picture.proposals);
     }
-    hash.add("end");
+    fingerprint.add("end");
   }
-  return hash.text();
+  return fingerprint.text();
 }
 
 Checkpoint::Checkpoint(const fs::path& folder, const std::string& fingerprint)

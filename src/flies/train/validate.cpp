@@ -64,7 +64,8 @@ std::vector<JudgedWindow> judged(std::span<const Scored> windows, const PeopleMo
 }
 
 template <class Before>
-std::vector<JudgedWindow> first_few(std::vector<JudgedWindow> windows, const Before& before) {
+std::vector<JudgedWindow> first_few(std::span<const JudgedWindow> all, const Before& before) {
+  std::vector<JudgedWindow> windows(all.begin(), all.end());
   std::stable_sort(windows.begin(), windows.end(), before);
   windows.resize(std::min(windows.size(), kHardestShown));
   return windows;
@@ -101,20 +102,25 @@ void validate(const TrainingData& data, std::span<const std::uint32_t> people,
   for (const auto& window : judged_background) all.push_back(window.probability);
   if (!all.empty()) model.threshold = std::max(0.0, threshold_at(all, options.false_positive_rate));
 
-  result.validation.positives = {{"kept apart", {}}};
-  for (const auto& window : judged_people) result.validation.positives.front().scores.push_back(window.probability);
   auto next = all.begin();
   for (const std::size_t count : of_picture) {
     result.validation.negatives.emplace_back(next, next + static_cast<std::ptrdiff_t>(count));
     next += static_cast<std::ptrdiff_t>(count);
   }
-  const auto found = std::count_if(judged_people.begin(), judged_people.end(),
-                                   [&](const auto& window) { return window.probability > model.threshold; });
-  result.validation_rate =
-      judged_people.empty() ? 0.0 : static_cast<double>(found) / static_cast<double>(judged_people.size());
-  result.missed = first_few(judged_people, [](const auto& a, const auto& b) { return a.probability < b.probability; });
-  result.mistaken =
-      first_few(judged_background, [](const auto& a, const auto& b) { return a.probability > b.probability; });
+  note_mistakes(judged_people, judged_background, result);
+}
+
+void note_mistakes(std::span<const JudgedWindow> people, std::span<const JudgedWindow> background,
+                   TrainingResult& result) {
+  result.validation.positives = {{"kept apart", {}}};
+  std::size_t found = 0;
+  for (const auto& window : people) {
+    result.validation.positives.front().scores.push_back(window.probability);
+    found += window.probability > result.model.threshold;
+  }
+  result.validation_rate = people.empty() ? 0.0 : static_cast<double>(found) / static_cast<double>(people.size());
+  result.missed = first_few(people, [](const auto& a, const auto& b) { return a.probability < b.probability; });
+  result.mistaken = first_few(background, [](const auto& a, const auto& b) { return a.probability > b.probability; });
 }
 
 }  // namespace flies

@@ -18,4 +18,9 @@ void validate(const TrainingData& data, std::span<const std::uint32_t> people,
               std::span<const std::uint32_t> background, std::uint32_t round, const TrainOptions& options,
               TrainingResult& result, const std::function<void(std::size_t done, std::size_t total)>& progress);
 
+/// Fills in what the report says of people found and of mistakes, from what the model made of windows kept apart and
+/// from its threshold; `validation.negatives` is left to the caller.
+void note_mistakes(std::span<const JudgedWindow> people, std::span<const JudgedWindow> background,
+                   TrainingResult& result);
+
 }  // namespace flies
