@@ -189,7 +189,7 @@ TEST(DecodeImage, ReadsTiffOfTenToFourteenBits) {
 std::string palette_bmp(const cv::Mat& indices, int bits) {
   const auto number = [](int value, int count) {
     std::string bytes;
-    for (int i = 0; i < count; ++i) bytes += static_cast<char>(value >> 8 * i & 0xFF);
+    for (int i = 0; i < count; ++i) bytes += i < 4 ? static_cast<char>(value >> 8 * i & 0xFF) : '\0';
     return bytes;
   };
   const int colors = 1 << bits, row_bytes = (indices.cols * bits + 31) / 32 * 4, start = 54 + 4 * colors;
