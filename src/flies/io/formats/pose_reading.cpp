@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <opencv2/calib3d.hpp>
 
 #include "flies/core/error.hpp"
 #include "flies/core/stereo_camera.hpp"
@@ -69,12 +70,11 @@ bool stands_by_columns(const std::vector<double>& m) {
 }  // namespace
 
 std::array<double, 9> rotation_about(const std::array<double, 3>& axis_angle) {
-  const double angle = std::hypot(axis_angle[0], axis_angle[1], axis_angle[2]);
-  if (angle == 0.0) return Pose{}.rotation;
-  const double x = axis_angle[0] / angle, y = axis_angle[1] / angle, z = axis_angle[2] / angle;
-  const double c = std::cos(angle), s = std::sin(angle), d = 1.0 - c;
-  return {c + x * x * d,     x * y * d - z * s, x * z * d + y * s, y * x * d + z * s, c + y * y * d,
-          y * z * d - x * s, z * x * d - y * s, z * y * d + x * s, c + z * z * d};
+  cv::Matx33d matrix;
+  cv::Rodrigues(cv::Vec3d(axis_angle.data()), matrix);
+  std::array<double, 9> rotation{};
+  std::copy_n(matrix.val, rotation.size(), rotation.begin());
+  return rotation;
 }
 
 std::array<double, 9> rotation_of(const NumberTable& table, const std::string& key, std::vector<std::string>& notes) {

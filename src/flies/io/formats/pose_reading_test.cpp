@@ -161,6 +161,11 @@ TEST(Poses, OfKalibrsCamerasAgainstTheInertialUnitRectify) {
                                                             camera(pose(right), rig.m2, rig.d2))),
                      rig);
   }
+  const auto transposed =
+      load_calibration(folder.write("c", "cam0:\n" + camera("T_imu_cam: " + rows(left.t()), rig.m1, rig.d1) +
+                                             "cam1:\n" + camera("T_imu_cam: " + rows(right), rig.m2, rig.d2)));
+  expect_rectifies(transposed, rig);
+  EXPECT_THAT(transposed.notes, Contains(HasSubstr("cam0.T_imu_cam is transposed")));
 }
 
 TEST(Poses, OfBodiesAreReadByRowsAndByColumns) {
