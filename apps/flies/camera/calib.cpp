@@ -246,8 +246,9 @@ void setup_calib(CLI::App& app) {
   command->add_flag("--json", arguments->json, "print JSON instead of a table");
   command->footer(
       "\nFormats: KITTI object, raw and odometry, OpenCV stereo YAML or XML, ROS camera_info pair, Kalibr,\n"
-      "EuRoC sensor.yaml pair, ORB-SLAM2 and 3, ZED, DepthAI, Basalt, MATLAB stereoParameters, Middlebury,\n"
-      "FoundationStereo, and the YAML that flies synth writes (docs/formats.md).\n"
+      "EuRoC sensor.yaml pair, ORB-SLAM2 and 3, VINS-Fusion, ZED, DepthAI, Basalt, MATLAB\n"
+      "stereoParameters, Middlebury, FoundationStereo, and the YAML that flies synth writes\n"
+      "(docs/formats.md).\n"
       "\nExamples:\n"
       "  flies calib calib_cam_to_cam.txt --cameras 0,1\n"
       "  flies calib left.yaml --right right.yaml --camera-height 0.98\n"

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <numbers>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -73,6 +75,31 @@ void check_distortion(const RawCamera& camera, const std::string& key, const std
                                camera.distortion.size(), fmt::join(counts, " or "), lens_name(camera.lens)));
 }
 
+/// What a camera says that a lens of the radial and tangential model hardly can: a file that does not name the model of
+/// a fisheye's four coefficients, or another order of the coefficients. Empty when there is nothing to say.
+std::string note_on_lens(const RawCamera& camera, const std::string& key, int width_px, int height_px) {
+  if (camera.lens != Lens::brown) return {};
+  // Beyond it, 58 degrees from the axis were the lens without distortion, pinholes with lenses end; and tangential
+  // coefficients are the few thousandths by which a lens stands askew.
+  constexpr double kWidestPinhole = 1.6, kMostTangential = 0.02;
+  const auto& m = camera.matrix;
+  const double corner = std::hypot(0.5 * width_px / m[0], 0.5 * height_px / m[4]);
+  const auto& d = camera.distortion;
+  const bool is_bent = std::ranges::any_of(d, [](double coefficient) { return coefficient != 0.0; });
+  std::string odd;
+  if (is_bent && corner > kWidestPinhole)
+    odd = fmt::format("a view of {:.0f} degrees from corner to corner",
+                      2.0 * std::atan(corner) * 180.0 / std::numbers::pi);
+  for (const std::size_t tangential : {2U, 3U})
+    if (odd.empty() && d.size() > tangential && std::abs(d[tangential]) > kMostTangential)
+      odd = fmt::format("a tangential coefficient p{} of {:.3g}", tangential - 1, d[tangential]);
+  if (odd.empty()) return {};
+  return fmt::format(
+      "{}: {} is improbable for the {} model: is it a fisheye lens (distortion_model: equidistant), or are the "
+      "coefficients in another order than k1 k2 p1 p2 k3?",
+      key, odd, lens_name(camera.lens));
+}
+
 /// The camera matrix of images that were resized.
 void scale(RawCamera& camera, ImageScale by) {
   auto& m = camera.matrix;
@@ -109,6 +136,11 @@ Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request
   calibration.notes = std::move(pair.notes);
   if (auto note = check_turn(raw.rotation, source, pair.pose_key); !note.empty())
     calibration.notes.push_back(std::move(note));
+  for (const auto& [camera, key] : {std::pair{&raw.left, &pair.left_key}, std::pair{&raw.right, &pair.right_key}})
+    if (auto note = note_on_lens(*camera, *key, raw.width_px, raw.height_px); !note.empty()) {
+      calibration.notes.push_back(std::move(note));
+      break;  // both have the same lens
+    }
   const auto by = scale_to_images(raw.width_px, raw.height_px, request);
   if (by && (raw.width_px != request.width_px || raw.height_px != request.height_px)) {
     calibration.notes.push_back(note_on_scale(raw.width_px, raw.height_px, *by, request));

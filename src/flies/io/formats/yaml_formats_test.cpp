@@ -1,4 +1,6 @@
 // One example of each format of raw cameras that is YAML, written as its documentation says, of a rig that is known.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,6 +29,7 @@ using flies::testing::rows;
 using flies::testing::TemporaryFolder;
 using flies::testing::ToyRig;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string kalibr(const ToyRig& rig, const std::string& model) {
   const auto camera = [&](const cv::Matx33d& m, const std::vector<double>& d) {
@@ -46,6 +49,21 @@ TEST(Formats, KalibrOfPinholesAndFisheyesRectifies) {
   EXPECT_NEAR(pinhole.camera.baseline_m, cv::norm(ToyRig().t), kWritten_m);
   expect_rectifies(pinhole, ToyRig());
   expect_rectifies(load_calibration(folder.write("c", kalibr(ToyRig::fisheye(), "equidistant"))), ToyRig::fisheye());
+}
+
+// A fisheye's four coefficients under the name of a pinhole: k3 and k4 are then read as tangential ones, or the view is
+// wider than a pinhole's.
+TEST(Formats, FisheyeUnderThePinholesNameIsTold) {
+  const TemporaryFolder folder;
+  const auto notes = [&](const ToyRig& rig, const char* model) {
+    return fmt::format("{}", fmt::join(load_calibration(folder.write("c", kalibr(rig, model))).notes, "; "));
+  };
+  EXPECT_THAT(notes(ToyRig::of(Lens::brown, {-0.0088, 0.0463, -0.0441, 0.0083}, 420), "radtan"),
+              HasSubstr("cam0: a tangential coefficient p1 of -0.0441 is improbable"));
+  EXPECT_THAT(notes(ToyRig::of(Lens::brown, {0.0034, 0.0008, -0.002, 0.0002}, 220), "radtan"),
+              HasSubstr("cam0: a view of 122 degrees from corner to corner is improbable"));
+  for (const auto& [rig, model] : {std::pair{ToyRig(), "radtan"}, std::pair{ToyRig::fisheye(), "equidistant"}})
+    EXPECT_THAT(notes(rig, model), Not(HasSubstr("improbable")));
 }
 
 TEST(Formats, KalibrTakesTheCamerasThatAreAskedFor) {
@@ -136,6 +154,53 @@ TEST(Formats, OrbSlam3RectifiesPinholesAndFisheyes) {
     EXPECT_EQ(calibration.format, "ORB-SLAM settings");
     expect_rectifies(calibration, rig);
   }
+}
+
+/// A camera file of camodocal.
+std::string camodocal(const ToyRig& rig, bool is_right) {
+  const auto& m = is_right ? rig.m2 : rig.m1;
+  const auto& d = is_right ? rig.d2 : rig.d1;
+  std::string text = "%YAML:1.0\n---\ncamera_name: camera\nimage_width: 640\nimage_height: 480\n";
+  if (rig.lens == Lens::equidistant)
+    return text + "model_type: KANNALA_BRANDT\nprojection_parameters:\n" +
+           keyed("   ", {{"k2", d[0]},
+                         {"k3", d[1]},
+                         {"k4", d[2]},
+                         {"k5", d[3]},
+                         {"mu", m(0, 0)},
+                         {"mv", m(1, 1)},
+                         {"u0", m(0, 2)},
+                         {"v0", m(1, 2)}});
+  const bool is_mei = rig.lens == Lens::mei;
+  const std::size_t own = is_mei ? 1 : 0;
+  text += "model_type: " + std::string(is_mei ? "MEI" : "PINHOLE") + "\ndistortion_parameters:\n" +
+          keyed("   ", {{"k1", d[own]}, {"k2", d[own + 1]}, {"p1", d[own + 2]}, {"p2", d[own + 3]}});
+  if (!is_mei)
+    return text + "projection_parameters:\n" +
+           keyed("   ", {{"fx", m(0, 0)}, {"fy", m(1, 1)}, {"cx", m(0, 2)}, {"cy", m(1, 2)}});
+  return text + "mirror_parameters:\n" + keyed("   ", {{"xi", d[0]}}) + "projection_parameters:\n" +
+         keyed("   ", {{"gamma1", m(0, 0)}, {"gamma2", m(1, 1)}, {"u0", m(0, 2)}, {"v0", m(1, 2)}});
+}
+
+TEST(Formats, VinsFusionReadsTheFilesThatItNamesAndRectifies) {
+  const TemporaryFolder folder;
+  for (const auto& rig : {ToyRig(), ToyRig::fisheye(), ToyRig::of(Lens::mei, {1.5, -0.1, 0.05, 0.001, -0.001}, 1000)}) {
+    SCOPED_TRACE(lens_name(rig.lens));
+    folder.write("cam0_any.yaml", camodocal(rig, false));
+    folder.write("cam1_any.yaml", camodocal(rig, true));
+    const auto path = folder.write("stereo.yaml",
+                                   "%YAML:1.0\n---\nimu: 0\nnum_of_cam: 2\ncam0_calib: \"cam0_any.yaml\"\n"
+                                   "cam1_calib: \"cam1_any.yaml\"\nimage_width: 640\nimage_height: 480\n" +
+                                       opencv_matrix("body_T_cam0", body_from_left()) +
+                                       opencv_matrix("body_T_cam1", body_from_right(rig)));
+    const auto calibration = load_calibration(path);
+    EXPECT_EQ(calibration.format, "VINS-Fusion configuration");
+    expect_rectifies(calibration, rig);
+  }
+  EXPECT_THAT(error_of([&] { load_calibration(folder.file("cam0_any.yaml")); }),
+              HasSubstr("body_T_cam0, body_T_cam1: are missing: this file describes one camera"));
+  std::filesystem::remove(folder.file("cam1_any.yaml"));
+  EXPECT_THAT(error_of([&] { load_calibration(folder.file("stereo.yaml")); }), HasSubstr("cam1_any.yaml"));
 }
 
 TEST(Formats, OrbSlam2RectifiesAsItsViewsSay) {

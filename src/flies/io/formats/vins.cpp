@@ -1,0 +1,101 @@
+// Configurations of VINS-Fusion, and the camera files of camodocal that they name:
+// https://github.com/HKUST-Aerial-Robotics/VINS-Fusion, https://github.com/hengli/camodocal
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "flies/core/error.hpp"
+#include "flies/io/formats/raw_pair.hpp"
+
+namespace flies::detail {
+namespace {
+
+bool is_of_camera(const NumberTable& table) {
+  return table.has("projection_parameters.fx") || table.has("projection_parameters.gamma1") ||
+         table.has("projection_parameters.mu");
+}
+
+RawCamera read_camera(const NumberTable& table) {
+  const std::string projection = "projection_parameters.", distortion = "distortion_parameters.";
+  const auto matrix = [&](const char* fx, const char* fy, const char* cx, const char* cy) {
+    return camera_matrix(table.require_number(projection + fx), table.require_number(projection + fy),
+                         table.require_number(projection + cx), table.require_number(projection + cy));
+  };
+  RawCamera raw;
+  raw.lens = lens_of(table.word("model_type"), "model_type", table.source);
+  switch (raw.lens) {
+    case Lens::equidistant:
+      raw.matrix = matrix("mu", "mv", "u0", "v0");
+      raw.distortion = {table.require_number(projection + "k2"), table.require_number(projection + "k3"),
+                        table.require_number(projection + "k4"), table.require_number(projection + "k5")};
+      return raw;
+    case Lens::mei: {
+      raw.matrix = matrix("gamma1", "gamma2", "u0", "v0");
+      raw.distortion = {table.require_number("mirror_parameters.xi")};
+      auto bent = coefficients_of(table, distortion, {"k1", "k2", "p1", "p2"});
+      bent.resize(4, 0.0);
+      raw.distortion.insert(raw.distortion.end(), bent.begin(), bent.end());
+      return raw;
+    }
+    case Lens::brown:
+      raw.matrix = matrix("fx", "fy", "cx", "cy");
+      raw.distortion = coefficients_of(table, distortion, {"k1", "k2", "p1", "p2"});
+      raw.distortion.resize(4, 0.0);
+      return raw;
+    default:
+      throw InputError(table.source, "model_type", "expected PINHOLE, MEI or KANNALA_BRANDT");
+  }
+}
+
+/// The file that `cam0_calib` or `cam1_calib` names, beside the configuration; the configuration itself where both
+/// cameras are in it.
+NumberTable camera_table(const NumberTable& table, const std::string& camera) {
+  const auto named = table.entries.find(camera + "_calib");
+  if (named == table.entries.end() && is_of_camera(table)) return table;
+  if (named == table.entries.end() || named->second.not_a_number.empty())
+    throw InputError(table.source, camera + "_calib", "is missing, and names the file of that camera");
+  const std::filesystem::path file = named->second.not_a_number;
+  return read_number_table((std::filesystem::path(table.source).parent_path() / file).string());
+}
+
+ImageSize size_of(const NumberTable& table, const NumberTable& configuration) {
+  const NumberTable& from = table.has("image_width") ? table : configuration;
+  if (!from.has("image_width")) return {};
+  return {from.require_size("image_width"), from.require_size("image_height")};
+}
+
+Calibration read_vins(const NumberTable& table, const CalibrationRequest& request) {
+  if (!table.has("body_T_cam0") || !table.has("body_T_cam1"))
+    throw InputError(table.source, "body_T_cam0, body_T_cam1",
+                     "are missing: this file describes one camera without its place; give the configuration that names "
+                     "the files of both");
+  const NumberTable left = camera_table(table, "cam0"), right = camera_table(table, "cam1");
+  RawPair pair{{}, left.source, right.source, "body_T_cam1"};
+  if (left.source == right.source) {
+    pair.left_key = pair.right_key = "projection_parameters";
+    pair.notes.push_back("both cameras have the lens that the file describes once");
+  }
+  pair.stereo.left = read_camera(left);
+  pair.stereo.right = read_camera(right);
+  std::vector<std::string> told;  // of both poses alike
+  const Pose body_from_left = pose_of(table, "body_T_cam0", pair.notes);
+  const Pose body_from_right = pose_of(table, "body_T_cam1", told);
+  set_pose(pair.stereo, chained(inverse(body_from_right), body_from_left));
+  const auto of_left = size_of(left, table), of_right = size_of(right, table);
+  if (of_left.width_px != of_right.width_px || of_left.height_px != of_right.height_px)
+    throw InputError(right.source, "image_width, image_height",
+                     fmt::format("found {} x {} px, expected {} x {} px as for the left camera", of_right.width_px,
+                                 of_right.height_px, of_left.width_px, of_left.height_px));
+  const auto size = known_size(of_left, request, table.source);
+  pair.stereo.width_px = size.width_px;
+  pair.stereo.height_px = size.height_px;
+  return calibration_from_raw(std::move(pair), request, table.source);
+}
+
+}  // namespace
+
+const CalibrationFormat kVins{"VINS-Fusion configuration", false, false,
+                              [](const NumberTable& table) { return table.has("body_T_cam0") || is_of_camera(table); },
+                              read_vins};
+
+}  // namespace flies::detail
