@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <map>
 
+#include "flies/core/quantile.hpp"
 #include "flies/eval/people.hpp"
 #include "flies/io/images.hpp"
 

@@ -43,7 +43,7 @@ struct EvaluateArguments {
   std::vector<std::string> yardsticks;
   int seeds = 5;
   MethodArguments method;
-  Overrides match, people, estimate, sectors, dense, hog, tracker;  ///< dotted name and text
+  Overrides match, people, estimate, sectors, dense, hog, network, tracker;  ///< dotted name and text
   std::string unlabelled, json, plot, scan_plot;
   bool missed = false;
   std::optional<bool> sequence;  ///< nothing: where it can be followed
@@ -91,13 +91,15 @@ flies::Method yardstick(const std::string& name, const flies::DetectorOptions& o
     const auto detector = static_cast<flies::HogDetector>(search - kSearches.begin());
     return flies::hog_method(detector, with_overrides<flies::HogOptions>(arguments.hog));
   }
+  if (constexpr std::string_view kNetwork = "network:"; name.starts_with(kNetwork))
+    return flies::network_method(name.substr(kNetwork.size()),
+                                 with_overrides<flies::NetworkSearchOptions>(arguments.network));
   const auto preset = std::find(kPresets.begin(), kPresets.end(), name);
   if (preset == kPresets.end())
-    throw flies::InputError(
-        "command line", "--yardstick",
-        fmt::format(
-            "found '{}', expected sgbm, sgbm-3way, hog-48x96, hog-64x128, or a preset: default, paper, robot, handheld",
-            name));
+    throw flies::InputError("command line", "--yardstick",
+                            fmt::format("found '{}', expected sgbm, sgbm-3way, hog-48x96, hog-64x128, network:FILE, or "
+                                        "a preset: default, paper, robot, handheld",
+                                        name));
   flies::DetectorOptions of_preset = flies::preset_options(static_cast<flies::Preset>(preset - kPresets.begin()));
   of_preset.seed = options.seed;
   of_preset.threads = options.threads;
@@ -248,13 +250,15 @@ void setup_evaluate(CLI::App& app) {
   command
       ->add_option("--yardstick", arguments->yardsticks,
                    "measured in the same run: sgbm, sgbm-3way (OpenCV's dense matching), hog-48x96, hog-64x128\n"
-                   "(OpenCV's search of the whole image for people), or a preset")
+                   "(OpenCV's search of the whole image for people), network:NAME.weights (a network of Darknet\n"
+                   "with NAME.cfg beside it, on the whole image), or a preset")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("LIST")
       ->group("Method");
   add_listed_options<flies::DenseOptions>(*command, "dense.", "Measuring", arguments->dense);
   add_listed_options<flies::HogOptions>(*command, "hog.", "Measuring", arguments->hog);
+  add_listed_options<flies::NetworkSearchOptions>(*command, "network.", "Measuring", arguments->network);
   add_listed_options<flies::MatchOptions>(*command, "match.", "Measuring", arguments->match);
   add_listed_options<flies::SectorOptions>(*command, "sectors.", "Measuring", arguments->sectors);
   add_listed_options<flies::PeopleOptions>(*command, "people.", "Measuring", arguments->people);

@@ -9,6 +9,7 @@
 
 #include "evaluate/evaluation_report.hpp"
 #include "evaluate/report_style.hpp"
+#include "flies/core/quantile.hpp"
 #include "shared/report_json.hpp"
 
 namespace {

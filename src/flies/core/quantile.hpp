@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace flies {
@@ -15,10 +16,21 @@ T quantile(std::vector<T> values, double q) {
   return *at;
 }
 
-/// The upper one of two middle values where their number is even.
+/// The middle of the values, the upper of the two middle ones of an even number: one of the values, as an estimate on
+/// the hot path wants it.
 template <class T>
-T median_of(std::vector<T> values) {
+T upper_median(std::vector<T> values) {
   return quantile(std::move(values), 0.5);
+}
+
+/// The median of statistics: the middle of the values, the mean of the two middle ones of an even number; nothing
+/// without values. What is published is this one.
+inline std::optional<double> median(std::vector<double> values) {
+  if (values.empty()) return std::nullopt;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
 }  // namespace flies

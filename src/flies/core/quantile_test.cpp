@@ -14,9 +14,16 @@ TEST(Quantile, IsTheValueOfTheNearestRank) {
   EXPECT_EQ(quantile(std::vector<float>{7.5F}, 0.9), 7.5F);
 }
 
-TEST(MedianOf, IsTheUpperOfTwoMiddleValues) {
-  EXPECT_EQ(median_of(std::vector<double>{3, 1, 2}), 2);
-  EXPECT_EQ(median_of(std::vector<double>{4, 1, 3, 2}), 3);
+TEST(UpperMedian, IsTheUpperOfTwoMiddleValues) {
+  EXPECT_EQ(upper_median(std::vector<double>{3, 1, 2}), 2);
+  EXPECT_EQ(upper_median(std::vector<double>{4, 1, 3, 2}), 3);
+}
+
+TEST(Median, IsTheMeanOfTheTwoMiddleValuesOfAnEvenNumber) {
+  EXPECT_EQ(median({3, 1, 2}), 2);
+  EXPECT_EQ(median({4, 1, 3, 2}), 2.5);
+  EXPECT_EQ(median({7}), 7);
+  EXPECT_EQ(median({}), std::nullopt);
 }
 
 }  // namespace

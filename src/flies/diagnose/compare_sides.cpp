@@ -71,7 +71,7 @@ SideDifference median_side_difference(const std::vector<SideDifference>& pairs) 
   const auto median = [&](double SideDifference::*member) {
     std::vector<double> values;
     for (const auto& pair : pairs) values.push_back(pair.*member);
-    return median_of(std::move(values));
+    return upper_median(std::move(values));
   };
   return {median(&SideDifference::left_blind_share), median(&SideDifference::right_blind_share),
           median(&SideDifference::sharpness), median(&SideDifference::contrast)};

@@ -109,10 +109,10 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
     if (pair.nearer_above) nearer_above.push_back(*pair.nearer_above);
     roads += pair.road_found;
   }
-  run.textured_share = median_of(std::move(textured));
-  run.dark_share = median_of(std::move(dark));
-  run.bright_share = median_of(std::move(bright));
-  if (!nearer_above.empty()) run.nearer_above = median_of(std::move(nearer_above));
+  run.textured_share = upper_median(std::move(textured));
+  run.dark_share = upper_median(std::move(dark));
+  run.bright_share = upper_median(std::move(bright));
+  if (!nearer_above.empty()) run.nearer_above = upper_median(std::move(nearer_above));
   run.sides = median_side_difference(sides);
   run.rows = median_row_error(rows);
   run.road_found = roads > 0;

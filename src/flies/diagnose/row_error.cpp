@@ -63,11 +63,11 @@ std::optional<RowError> fit_row_error(std::span<const CornerMatch> corners, int 
   const auto rows = [](const CornerMatch& corner) { return corner.right_v_px - corner.v_px; };
   std::vector<double> differences;
   for (const auto& corner : corners) differences.push_back(rows(corner));
-  error.offset_px = median_of(differences);
+  error.offset_px = upper_median(differences);
   for (int round = 0; round < kRounds; ++round) {
     std::vector<double> residuals;
     for (const auto& corner : corners) residuals.push_back(std::abs(rows(corner) - error.at(corner.u_px)));
-    const double scatter_px = median_of(residuals);
+    const double scatter_px = upper_median(residuals);
     const double limit_px = std::clamp(kAgreesScatters * scatter_px, kAgrees_px, kAgreesMost_px);
     double n = 0, su = 0, suu = 0, sd = 0, sud = 0;
     std::vector<double> agreeing;
@@ -84,7 +84,7 @@ std::optional<RowError> fit_row_error(std::span<const CornerMatch> corners, int 
     error.slope = (n * sud - su * sd) / determinant;
     error.offset_px = (sd - error.slope * su) / n;
     error.corners = static_cast<int>(agreeing.size());
-    error.scatter_px = median_of(std::move(agreeing));
+    error.scatter_px = upper_median(std::move(agreeing));
   }
   if (error.corners < kMinAgreeingShare * static_cast<double>(corners.size())) return std::nullopt;
   return error;
@@ -95,7 +95,7 @@ std::optional<RowError> median_row_error(std::span<const RowError> errors) {
   const auto middle = [&](auto member) {
     std::vector<double> values;
     for (const auto& error : errors) values.push_back(error.*member);
-    return median_of(std::move(values));
+    return upper_median(std::move(values));
   };
   RowError result = errors.front();
   result.offset_px = middle(&RowError::offset_px);

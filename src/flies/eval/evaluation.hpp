@@ -19,6 +19,7 @@
 #include "flies/eval/detections.hpp"
 #include "flies/eval/estimate.hpp"
 #include "flies/eval/hog_yardstick.hpp"
+#include "flies/eval/network_yardstick.hpp"
 #include "flies/eval/people.hpp"
 #include "flies/eval/person_paths.hpp"
 #include "flies/eval/scan_score.hpp"
@@ -78,6 +79,9 @@ Method flies_method(const std::string& name, const DetectorOptions& options, int
 
 /// OpenCV's search of the whole left image for people as a yardstick; without random numbers, so one run.
 Method hog_method(HogDetector detector, const HogOptions& hog = {});
+
+/// A network that searches the whole left image as a yardstick, called by its file's name; one run.
+Method network_method(const std::string& weights_file, const NetworkSearchOptions& options = {});
 
 /// Dense matching as a yardstick; without random numbers, so one run.
 /// @param measuring says which of its points stand on the road

@@ -11,15 +11,13 @@
 
 #include "flies/classify/named_models.hpp"
 #include "flies/core/error.hpp"
-#include "flies/eval/people.hpp"
 
 namespace flies {
 namespace {
 
-constexpr double kPersonShare = 0.75;     // height of the person over height of the window, in both training sets
-constexpr double kPersonAspect = 0.41;    // width over height of a person
-constexpr double kAssumedHeight_m = 1.7;  // of everybody, for a box alone has no range
-constexpr int kPadding_px = 16;           // windows may reach this far beyond the image
+constexpr double kPersonShare = 0.75;   // height of the person over height of the window, in both training sets
+constexpr double kPersonAspect = 0.41;  // width over height of a person
+constexpr int kPadding_px = 16;         // windows may reach this far beyond the image
 constexpr int kBlockStride_px = 8;
 
 cv::HOGDescriptor descriptor(HogDetector detector) {
@@ -38,33 +36,6 @@ ImageBox person_in(const cv::Rect& window, double enlarge) {
   return {centre_u_px - width_px / 2.0, centre_v_px - height_px / 2.0, width_px, height_px};
 }
 
-Pedestrian person_of(const ImageBox& box, double probability, const Projection& projection) {
-  const double u_px = box.u_px + box.width_px / 2.0, foot_v_px = box.v_px + box.height_px;
-  const double depth_m = projection.fy_px() * kAssumedHeight_m / box.height_px;
-  const Point3 foot = projection.triangulate({u_px, foot_v_px, projection.disparity_at_depth(depth_m)});
-  Pedestrian person;
-  person.x_m = foot.x_m;
-  person.y_m = foot.y_m;
-  person.range_m = std::hypot(foot.x_m, foot.y_m);
-  person.height_m = kAssumedHeight_m;
-  person.probability = probability;
-  person.box = box;
-  return person;
-}
-
-std::vector<Pedestrian> keep_surest(std::vector<Pedestrian> people, double max_overlap) {
-  std::stable_sort(people.begin(), people.end(),
-                   [](const auto& a, const auto& b) { return a.probability > b.probability; });
-  std::vector<Pedestrian> kept;
-  for (const auto& person : people)
-    if (std::none_of(kept.begin(), kept.end(), [&](const Pedestrian& surer) {
-          return intersection_over_union(surer.box, person.box) > max_overlap;
-        }))
-      kept.push_back(person);
-  std::stable_sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.range_m < b.range_m; });
-  return kept;
-}
-
 double log_odds(double probability) { return std::log(probability / (1.0 - probability)); }
 
 }  // namespace
@@ -73,7 +44,7 @@ PeopleModel hog_model(HogDetector detector) {
   return detector == HogDetector::hog_48x96 ? opencv_48x96() : opencv_64x128();
 }
 
-HogDetection detect_people_by_hog(const GrayView& left, const StereoCamera& camera, HogDetector detector,
+PeopleSearch detect_people_by_hog(const GrayView& left, const StereoCamera& camera, HogDetector detector,
                                   double least_probability, const HogOptions& options) {
   if (options.stride_px % kBlockStride_px != 0)
     throw InputError("options", "hog.stride_px",
@@ -94,13 +65,13 @@ HogDetection detect_people_by_hog(const GrayView& left, const StereoCamera& came
   constexpr double kNoGrouping = 0.0;
   hog.detectMultiScale(searched, windows, scores, least_score, {options.stride_px, options.stride_px},
                        {kPadding_px, kPadding_px}, options.scale_step, kNoGrouping);
-  HogDetection found;
+  PeopleSearch found;
   found.time_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 
   const Projection projection(camera);
   for (std::size_t i = 0; i < windows.size(); ++i)
     found.people.push_back(
-        person_of(person_in(windows[i], options.enlarge), probability(calibration, scores[i]), projection));
+        person_in_box(person_in(windows[i], options.enlarge), probability(calibration, scores[i]), projection));
   found.people = keep_surest(std::move(found.people), options.max_overlap);
   return found;
 }

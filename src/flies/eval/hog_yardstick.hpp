@@ -2,13 +2,12 @@
 
 #include <array>
 #include <string_view>
-#include <vector>
 
 #include "flies/classify/people_model.hpp"
 #include "flies/core/gray_view.hpp"
 #include "flies/core/options.hpp"
-#include "flies/core/results.hpp"
 #include "flies/core/stereo_camera.hpp"
+#include "flies/eval/people_boxes.hpp"
 
 namespace flies {
 
@@ -40,18 +39,11 @@ struct HogOptions {
   }
 };
 
-/// What was found, and in which time.
-struct HogDetection {
-  std::vector<Pedestrian> people;  ///< nearest first
-  double time_ms = 0.0;            ///< of the search, without the suppression of doubles
-};
-
 /// Searches the whole left image by `cv::HOGDescriptor::detectMultiScale` and keeps the surest of overlapping verdicts;
-/// OpenCV's own grouping would lose the scores. A box has no range of its own: it is put where a person
-/// of 1.7 m looks as high.
+/// OpenCV's own grouping would lose the scores.
 /// @param least_probability of people that are reported, 0..1, by the calibration of `hog_model`
 /// @throws InputError naming `hog.stride_px` when that is no multiple of 8, or when image and camera do not fit
-HogDetection detect_people_by_hog(const GrayView& left, const StereoCamera& camera, HogDetector detector,
+PeopleSearch detect_people_by_hog(const GrayView& left, const StereoCamera& camera, HogDetector detector,
                                   double least_probability, const HogOptions& options = {});
 
 /// The same weights as a model of boxes: its calibration and its threshold.

@@ -8,6 +8,8 @@
 #include <map>
 #include <numeric>
 
+#include "flies/core/quantile.hpp"
+
 namespace flies {
 namespace {
 
@@ -106,14 +108,6 @@ void add_objects(const FrameTruth& truth, const FrameScore& score, Sums& sums, s
 }
 
 }  // namespace
-
-std::optional<double> median(std::vector<double> values) {
-  if (values.empty()) return std::nullopt;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 bool is_person(const LabelledObject& object) {
   return object.type == "Pedestrian" || object.type == "Cyclist" || object.type == "Person_sitting" ||

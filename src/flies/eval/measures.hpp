@@ -80,7 +80,4 @@ Measures summarize(std::span<const FrameTruth> truths, std::span<const FrameScor
 Measures summarize(std::span<const FrameTruth> truths, std::span<const FrameScore> scores,
                    std::span<const std::size_t> frames);
 
-/// The middle of the values, the mean of the two middle ones of an even number; nothing without values.
-std::optional<double> median(std::vector<double> values);
-
 }  // namespace flies

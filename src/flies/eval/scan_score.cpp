@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "flies/core/quantile.hpp"
 #include "flies/eval/measures.hpp"
 
 namespace flies {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/core/random.hpp"
 #include "flies/eval/measures.hpp"
 

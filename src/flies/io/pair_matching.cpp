@@ -109,7 +109,7 @@ double patience_s(std::vector<double> times_s) {
   std::sort(times_s.begin(), times_s.end());
   std::vector<double> steps_s;
   for (std::size_t i = 1; i < times_s.size(); ++i) steps_s.push_back(times_s[i] - times_s[i - 1]);
-  return 0.5 * median_of(std::move(steps_s));
+  return 0.5 * upper_median(std::move(steps_s));
 }
 
 /// Two images are a pair when each is the nearest to the other.

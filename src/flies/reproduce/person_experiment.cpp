@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "flies/core/error.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/evolve/evolve.hpp"
 #include "flies/fitness/fitness.hpp"
 
@@ -187,10 +188,8 @@ std::optional<Spread> spread_of(std::span<const std::optional<double>> values) {
   for (const auto& value : values)
     if (value) present.push_back(*value);
   if (present.empty()) return std::nullopt;
-  std::sort(present.begin(), present.end());
-  const std::size_t middle = present.size() / 2;
-  const double median = present.size() % 2 == 1 ? present[middle] : 0.5 * (present[middle - 1] + present[middle]);
-  return Spread{median, present.front(), present.back(), present.size()};
+  const auto [least, most] = std::ranges::minmax(present);
+  return Spread{*median(present), least, most, present.size()};
 }
 
 }  // namespace flies

@@ -50,7 +50,7 @@ double blur_of(const cv::Mat& image, const std::vector<BoardCorner>& corners) {
     cv::minMaxLoc(slope(window), nullptr, &steepest);
     if (steepest > 0.0) widths.push_back((high - low) / steepest);
   }
-  return widths.empty() ? 0.0 : flies::median_of(std::move(widths));
+  return widths.empty() ? 0.0 : flies::upper_median(std::move(widths));
 }
 
 class OpenCvTools final : public flies::BoardTools {

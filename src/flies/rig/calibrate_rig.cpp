@@ -32,7 +32,7 @@ template <class Value>
 double median(const std::vector<Value>& values, double (*of)(const Value&)) {
   std::vector<double> numbers(values.size());
   std::transform(values.begin(), values.end(), numbers.begin(), of);
-  return median_of(std::move(numbers));
+  return upper_median(std::move(numbers));
 }
 
 double blur_of(const BoardPair& pair) { return std::max(pair.left.blur_px, pair.right.blur_px); }

@@ -82,8 +82,8 @@ TEST(RenderPair, RightImageIsTheLeftOneShiftedByTheTruth) {
   ASSERT_GT(errors.size(), 15000U);
   // Interpolating between pixels and rounding to whole grey levels cost about one level.
   constexpr double kTolerance_gray = 2.0;
-  EXPECT_LT(median_of(errors), kTolerance_gray);
-  EXPECT_GT(median_of(unshifted_errors), 2.0 * median_of(errors));
+  EXPECT_LT(upper_median(errors), kTolerance_gray);
+  EXPECT_GT(upper_median(unshifted_errors), 2.0 * upper_median(errors));
 }
 
 TEST(RenderPair, AppliesGainAndVerticalOffsetToTheRightImageOnly) {

@@ -33,7 +33,7 @@ constexpr double kCornerSlack_m = 1.0, kCornerSlackShare = 0.05;  // depth of a 
 double scatter(std::vector<double> values, double middle) {
   constexpr double kNormal = 1.4826;
   for (double& value : values) value = std::abs(value - middle);
-  return kNormal * median_of(values);
+  return kNormal * upper_median(values);
 }
 
 double logit(double p) { return std::log(p / (1.0 - p)); }
@@ -148,7 +148,7 @@ std::optional<GroundVelocity> TrackKeeper::velocity_of(const Sighting& s, const 
                            (camera_.fx_px * camera_.baseline_m * ego.dt_s);
   const double one_across =
       std::numbers::sqrt2 * range_m * options_.corner_disparity_sd_px / (camera_.fx_px * ego.dt_s);
-  const double v_along = median_of(along), v_across = median_of(across);
+  const double v_along = upper_median(along), v_across = upper_median(across);
   const double root = std::sqrt(static_cast<double>(along.size()));
   const auto variance = [&](double one_mps, double scatter_mps) {
     return std::pow(std::hypot(options_.corner_velocity_sd_mps, std::max(one_mps, scatter_mps) / root), 2);

@@ -191,7 +191,7 @@ void PairStream::watch_skew(double skew_s) {
   if (first_skews_s_.size() < kSkewsToJudge) return;
   std::vector<double> sizes_s;
   for (const double first_s : first_skews_s_) sizes_s.push_back(std::abs(first_s));
-  const double median_s = median_of(std::move(sizes_s));
+  const double median_s = upper_median(std::move(sizes_s));
   if (median_s < kSkewMatters_s) return;
   tell_(
       fmt::format("left and right pictures are {:.1f} ms apart (median of {}): what moves, and all when the camera "

@@ -1,0 +1,111 @@
+#include "flies/eval/network_yardstick.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/dnn.hpp>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "flies/core/error.hpp"
+
+namespace flies {
+namespace {
+
+/// The size of the image that a network was built for, from the lines `width=` and `height=` of its .cfg.
+cv::Size input_size(const std::string& cfg_file) {
+  cv::Size size;
+  std::ifstream file(cfg_file);
+  for (std::string line; std::getline(file, line) && size.area() == 0;) {
+    std::erase(line, ' ');
+    for (auto [key, value] : {std::pair{"width=", &size.width}, std::pair{"height=", &size.height}})
+      if (line.starts_with(key)) *value = std::atoi(line.c_str() + std::string_view(key).size());
+  }
+  if (size.width <= 0 || size.height <= 0)
+    throw InputError(cfg_file, "width, height", "are missing, and say which images the network is for");
+  return size;
+}
+
+/// OpenCV reads on beyond the end of a file that is too short for the network.
+void check_length(cv::dnn::Net& network, const std::string& weights_file, const std::string& cfg_file) {
+  std::size_t numbers = 0;
+  for (const auto& name : network.getLayerNames()) {
+    const auto layer = network.getLayer(network.getLayerId(name));
+    if (layer->type == "Region") continue;  // has anchors, which stand in the .cfg
+    for (const auto& blob : layer->blobs) numbers += blob.total();
+  }
+  const auto bytes = std::filesystem::file_size(weights_file), needed = numbers * sizeof(float);
+  if (bytes < needed)
+    throw InputError(weights_file, "",
+                     fmt::format("has {} bytes, and the network in {} needs at least {}: it is another network's, or "
+                                 "was cut short",
+                                 bytes, cfg_file, needed));
+}
+
+}  // namespace
+
+struct NetworkSearch::Model {
+  std::string file;
+  NetworkSearchOptions options;
+  cv::dnn::DetectionModel network;
+};
+
+NetworkSearch::NetworkSearch(const std::string& weights_file, const NetworkSearchOptions& options) {
+  check_options(options, "network");
+  const std::string cfg_file = std::filesystem::path(weights_file).replace_extension(".cfg").string();
+  if (std::filesystem::path(weights_file).extension() != ".weights")
+    throw InputError(weights_file, "",
+                     "is no file of weights, expected one of Darknet's: NAME.weights beside NAME.cfg");
+  for (const auto& file : {weights_file, cfg_file})
+    if (!std::filesystem::is_regular_file(file))
+      throw InputError(file, "", "is missing; a network of Darknet is NAME.weights beside NAME.cfg");
+  cv::Size size = input_size(cfg_file);
+  if (options.width_px > 0) size.width = options.width_px;
+  if (options.height_px > 0) size.height = options.height_px;
+  try {
+    cv::dnn::Net network = cv::dnn::readNetFromDarknet(cfg_file, weights_file);
+    check_length(network, weights_file, cfg_file);
+    model_.reset(new Model{weights_file, options, cv::dnn::DetectionModel(network)});
+    constexpr double kToOne = 1.0 / 255.0;
+    model_->network.setInputParams(kToOne, size, {}, true);
+  } catch (const cv::Exception& error) {
+    throw InputError(weights_file, "", "OpenCV cannot read this network: " + error.err);
+  }
+}
+
+NetworkSearch::~NetworkSearch() = default;
+NetworkSearch::NetworkSearch(NetworkSearch&&) noexcept = default;
+
+PeopleSearch NetworkSearch::detect(const GrayView& left, const StereoCamera& camera, double least_probability) {
+  check_camera_fits(camera, left.width_px, left.height_px, "camera");
+  const cv::Mat image(left.height_px, left.width_px, CV_8UC1, const_cast<std::uint8_t*>(left.data),
+                      static_cast<std::size_t>(left.stride));
+  std::vector<int> classes;
+  std::vector<float> confidences;
+  std::vector<cv::Rect> boxes;
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    cv::Mat colored;
+    cv::cvtColor(image, colored, cv::COLOR_GRAY2BGR);
+    constexpr float kKeepDoubles = 0.0F;
+    model_->network.detect(colored, classes, confidences, boxes, static_cast<float>(least_probability), kKeepDoubles);
+  } catch (const cv::Exception& error) {
+    throw InputError(model_->file, "", "OpenCV cannot run this network: " + error.err);
+  }
+  PeopleSearch found;
+  found.time_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  const Projection projection(camera);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const cv::Rect& box = boxes[i];
+    if (classes[i] == model_->options.person_class && box.height > 0)
+      found.people.push_back(person_in_box({static_cast<double>(box.x), static_cast<double>(box.y),
+                                            static_cast<double>(box.width), static_cast<double>(box.height)},
+                                           confidences[i], projection));
+  }
+  found.people = keep_surest(std::move(found.people), model_->options.max_overlap);
+  return found;
+}
+
+}  // namespace flies
