@@ -4,6 +4,7 @@
 #include <tbb/task_group.h>
 
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -53,6 +54,19 @@ class Meanwhile {
   tbb::task_group group_;
 };
 
+/// Where somebody seen in the pair before stands now, had he stood still: the boxes beside allow for a step.
+Obstacle where_now(const Pedestrian& person, const PlanarMotion& moved) {
+  constexpr double kWidth_m = 0.5;
+  const Point3 now = moved.now({person.x_m, person.y_m, 0.0});
+  Obstacle place;
+  place.x_m = now.x_m;
+  place.y_m = now.y_m;
+  place.range_m = std::hypot(now.x_m, now.y_m);
+  place.width_m = kWidth_m;
+  place.height_m = person.height_m;
+  return place;
+}
+
 /// Calls `run` without taking up, while it waits for its own loops, what was started beside it.
 template <class Run>
 auto undistracted(const Run& run) {
@@ -90,6 +104,7 @@ Detection Detector::process(const RectifiedPair& given, const MotionSource& moti
   if (frame_ == 0) check_not_swapped(pair, camera_, "left image", "right image");
   auto detection = workers_->arena.execute([&] { return detect(pair, motion); });
   last_obstacles_ = detection.concentrate.obstacles;
+  last_pedestrians_ = detection.pedestrians;
   ++frame_;
   return detection;
 }
@@ -104,19 +119,21 @@ void Detector::reset() {
   scanner_ = {};
   concentrator_ = {};
   last_obstacles_.clear();
+  last_pedestrians_.clear();
   frame_ = 0;
 }
 
 Detection Detector::detect(const RectifiedPair& pair, const MotionSource& motion) {
   Detection d;
-  find_obstacles(pair, motion, d);
-  find_pedestrians(pair, d);
+  const auto moved = find_obstacles(pair, motion, d);
+  find_pedestrians(pair, moved, d);
   for (auto& obstacle : d.obstacles) obstacle.range_sd_m = range_deviation_m(camera_, obstacle.range_m);
   for (auto& pedestrian : d.pedestrians) pedestrian.range_sd_m = range_deviation_m(camera_, pedestrian.range_m);
   return d;
 }
 
-void Detector::find_obstacles(const RectifiedPair& pair, const MotionSource& source, Detection& d) {
+std::optional<PlanarMotion> Detector::find_obstacles(const RectifiedPair& pair, const MotionSource& source,
+                                                     Detection& d) {
   Meanwhile<std::optional<PlanarMotion>> motion;
   if (source) motion.start([&] { return source(); });
   d.road = timed(d.stage_ms, Stage::road, [&] { return estimate_road(pair, projection_, options_.road); });
@@ -141,16 +158,19 @@ void Detector::find_obstacles(const RectifiedPair& pair, const MotionSource& sou
     });
   });
   d.scan = scan_asks_flies ? scan(d.evolved.flies) : std::move(scanned.get());
-  motion.get();  // the scan does not ask where it is switched off
   d.obstacles = timed(d.stage_ms, Stage::concentrate, [&] {
     return whole_obstacles(d.concentrate.obstacles, d.scan, projection_, road, options_.concentrate.whole);
   });
+  return motion.get();
 }
 
-void Detector::find_pedestrians(const RectifiedPair& pair, Detection& d) const {
+void Detector::find_pedestrians(const RectifiedPair& pair, const std::optional<PlanarMotion>& moved,
+                                Detection& d) const {
   d.rois = timed(d.stage_ms, Stage::propose, [&] {
-    return propose_rois(d.concentrate.obstacles, d.scan, projection_, d.road.plane, pair.left.width_px,
-                        pair.left.height_px,
+    std::vector<Obstacle> places = d.concentrate.obstacles;
+    if (moved)
+      for (const Pedestrian& person : last_pedestrians_) places.push_back(where_now(person, *moved));
+    return propose_rois(places, d.scan, projection_, d.road.plane, pair.left.width_px, pair.left.height_px,
                         classifier_ ? for_classifier(options_.propose, *classifier_) : options_.propose);
   });
   d.pedestrians = timed(d.stage_ms, Stage::classify, [&] {

@@ -102,7 +102,7 @@ struct Detection : DetectionSummary {
   EvolveResult evolved;  ///< flies after the last generation, scored
   ConcentrateResult
       concentrate;        ///< its `obstacles` are what the flies show of those above; people are looked for there
-  std::vector<Roi> rois;  ///< `Roi::obstacle` counts `concentrate.obstacles`
+  std::vector<Roi> rois;  ///< `Roi::obstacle` counts `concentrate.obstacles`, people of the pair before, then the scan
   std::vector<double> roi_scores;  ///< the classifier's first look: one probability per ROI
 };
 
@@ -136,10 +136,10 @@ class OneAtATime {
 }  // namespace detail
 
 /// Finds obstacles and pedestrians in rectified pairs of one camera. What it remembers from pair to pair: their count,
-/// so that each gets random numbers of its own, and the obstacles of the last one, which steer some flies of the next
-/// (`evolve.steering_share`). Copies share their worker threads. The n-th call is a function of the pairs so far,
-/// camera, options and classifier.
-/// Threads: one detector serves one thread at a time; several detectors, copies too, may run side by side.
+/// so that each gets random numbers of its own, the obstacles of the last one, which steer some flies of the next
+/// (`evolve.steering_share`), and its people, who are looked for again where the camera's motion is known. Copies share
+/// their worker threads. The n-th call is a function of the pairs so far, camera, options and classifier. Threads: one
+/// detector serves one thread at a time; several detectors, copies too, may run side by side.
 class Detector {
  public:
   /// @param classifier of people; null: nobody is looked for, boxes score 0 and `pedestrians` stays empty
@@ -168,8 +168,9 @@ class Detector {
   struct Workers;
 
   Detection detect(const RectifiedPair& pair, const MotionSource& motion);
-  void find_obstacles(const RectifiedPair& pair, const MotionSource& motion, Detection& d);
-  void find_pedestrians(const RectifiedPair& pair, Detection& d) const;
+  /// @returns how the camera moved since the pair before, where that is known
+  std::optional<PlanarMotion> find_obstacles(const RectifiedPair& pair, const MotionSource& motion, Detection& d);
+  void find_pedestrians(const RectifiedPair& pair, const std::optional<PlanarMotion>& moved, Detection& d) const;
 
   StereoCamera camera_;
   Projection projection_;
@@ -180,6 +181,7 @@ class Detector {
   Scanner scanner_;
   Concentrator concentrator_;
   std::vector<Obstacle> last_obstacles_;
+  std::vector<Pedestrian> last_pedestrians_;
   std::uint32_t frame_ = 0;
   detail::OneAtATime one_at_a_time_;
 };

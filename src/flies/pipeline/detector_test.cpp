@@ -251,6 +251,41 @@ TEST(Detector, RefusesAClassifierThatDoesNotAnswerForEveryWindow) {
               ThrowsMessage<InputError>(HasSubstr("answering: probability: found nan")));
 }
 
+/// Sees a person in every window.
+class Credulous final : public PeopleClassifier {
+ public:
+  const std::string& name() const override { return name_; }
+  double threshold() const override { return 0.5; }
+  std::vector<double> classify(const GrayView&, std::span<const ImageBox> windows) const override {
+    return std::vector<double>(windows.size(), 0.999);
+  }
+
+ private:
+  std::string name_ = "credulous";
+};
+
+TEST(Detector, LooksWhereSomebodyWasInThePairBeforeWhenTheMotionIsKnown) {
+  const Board board;
+  const std::vector<std::uint8_t> gray(kWidth_px * kHeight_px, 90);
+  const GrayView nothing{gray.data(), kWidth_px, kHeight_px, kWidth_px};
+  Detector seen(camera(), {}, std::make_shared<Credulous>());
+  const auto first = seen.process(board.pair());
+  ASSERT_FALSE(first.pedestrians.empty());
+  Detector blind = seen, restarted = seen;
+  restarted.reset();
+
+  constexpr PlanarMotion kForward{.forward_m = 1.0};
+  const auto next = seen.process({nothing, nothing}, kForward);
+  EXPECT_TRUE(next.concentrate.obstacles.empty());
+  ASSERT_FALSE(next.rois.empty());
+  ASSERT_FALSE(next.pedestrians.empty());
+  EXPECT_NEAR(next.pedestrians[0].x_m, first.pedestrians[0].x_m - 1.0, 0.5);
+  EXPECT_NEAR(next.pedestrians[0].y_m, first.pedestrians[0].y_m, 0.5);
+
+  EXPECT_TRUE(blind.process({nothing, nothing}).rois.empty());
+  EXPECT_TRUE(restarted.process({nothing, nothing}, kForward).rois.empty());
+}
+
 constexpr auto kPresets = {Preset::standard, Preset::paper, Preset::robot, Preset::handheld};
 
 TEST(PresetOptions, KeepTheDeclaredRanges) {
