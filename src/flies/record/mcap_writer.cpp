@@ -19,7 +19,7 @@ namespace {
 
 using namespace mcap;
 
-constexpr std::size_t kChunk = 1U << 20;                // bytes
+constexpr std::size_t kChunk = 1U << 22;                // bytes
 constexpr std::uint64_t kLongestChunk_ns = 1000000000;  // what a kill may cost
 constexpr int kLevel = 1;                               // of compression: quick
 
@@ -130,15 +130,10 @@ void McapWriter::end_chunk() {
   content += packed;
   put_record(records, Opcode::chunk, content);
 
-  ChunkPlace place{.start_ns = chunk_start_ns_,
-                   .end_ns = chunk_end_ns_,
-                   .offset = position_,
-                   .length = records.size(),
-                   .compressed = packed.size(),
-                   .whole = chunk_.size(),
-                   .index_offsets = {}};
+  const std::size_t chunk_length = records.size();
+  std::map<std::uint16_t, std::uint64_t> index_offsets;
   for (const auto& [id, entries] : chunk_index_) {
-    place.index_offsets[id] = position_ + records.size();
+    index_offsets[id] = position_ + records.size();
     std::string index;
     put(index, id, 2);
     put(index, entries.size() * 16, 4);
@@ -148,11 +143,23 @@ void McapWriter::end_chunk() {
     }
     put_record(records, Opcode::message_index, index);
   }
-  place.index_length = records.size() - place.length;
+  std::string index;
+  put(index, chunk_start_ns_, 8);
+  put(index, chunk_end_ns_, 8);
+  put(index, position_, 8);
+  put(index, chunk_length, 8);
+  put_map(index, index_offsets);
+  put(index, records.size() - chunk_length, 8);
+  put_text(index, "zstd");
+  put(index, packed.size(), 8);
+  put(index, chunk_.size(), 8);
+  put_record(chunk_indexes_, Opcode::chunk_index, index);
+  start_ns_ = chunks_ == 0 ? chunk_start_ns_ : std::min(start_ns_, chunk_start_ns_);
+  end_ns_ = std::max(end_ns_, chunk_end_ns_);
+  ++chunks_;
   chunk_.clear();
   chunk_index_.clear();
   append(records);
-  chunks_.push_back(std::move(place));
 }
 
 std::string McapWriter::statistics_record() const {
@@ -162,14 +169,9 @@ std::string McapWriter::statistics_record() const {
   put(content, channels_.size(), 4);
   put(content, 0, 4);  // attachments
   put(content, 0, 4);  // metadata
-  put(content, chunks_.size(), 4);
-  std::uint64_t start_ns = chunks_.empty() ? 0 : chunks_.front().start_ns, end_ns = 0;
-  for (const auto& chunk : chunks_) {
-    start_ns = std::min(start_ns, chunk.start_ns);
-    end_ns = std::max(end_ns, chunk.end_ns);
-  }
-  put(content, start_ns, 8);
-  put(content, end_ns, 8);
+  put(content, chunks_, 4);
+  put(content, start_ns_, 8);
+  put(content, end_ns_, 8);
   std::map<std::uint16_t, std::uint64_t> counts;
   for (std::size_t i = 0; i < channels_.size(); ++i)
     if (sequences_[i] > 0) counts[id_of(i)] = sequences_[i];
@@ -200,21 +202,7 @@ void McapWriter::close() {
   add_group(Opcode::schema, schemas_record());
   add_group(Opcode::channel, channels_record());
   add_group(Opcode::statistics, statistics_record());
-  std::string chunk_indexes;
-  for (const auto& chunk : chunks_) {
-    std::string index;
-    put(index, chunk.start_ns, 8);
-    put(index, chunk.end_ns, 8);
-    put(index, chunk.offset, 8);
-    put(index, chunk.length, 8);
-    put_map(index, chunk.index_offsets);
-    put(index, chunk.index_length, 8);
-    put_text(index, "zstd");
-    put(index, chunk.compressed, 8);
-    put(index, chunk.whole, 8);
-    put_record(chunk_indexes, Opcode::chunk_index, index);
-  }
-  add_group(Opcode::chunk_index, chunk_indexes);
+  add_group(Opcode::chunk_index, chunk_indexes_);
   const std::uint64_t offsets_start = summary_start + summary.size();
   std::string tail = summary + offsets;
   put(tail, static_cast<std::uint8_t>(Opcode::footer), 1);

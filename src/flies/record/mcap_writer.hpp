@@ -36,11 +36,6 @@ class McapWriter {
   void close();
 
  private:
-  struct ChunkPlace {
-    std::uint64_t start_ns = 0, end_ns = 0, offset = 0, length = 0, index_length = 0, compressed = 0, whole = 0;
-    std::map<std::uint16_t, std::uint64_t> index_offsets;
-  };
-
   void append(std::string_view bytes);
   void end_chunk();
   std::string schemas_record() const;
@@ -55,7 +50,9 @@ class McapWriter {
   std::string chunk_;
   std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunk_index_;  ///< time and offset
   std::uint64_t chunk_start_ns_ = 0, chunk_end_ns_ = 0;
-  std::vector<ChunkPlace> chunks_;
+  std::uint64_t start_ns_ = 0, end_ns_ = 0;  ///< of all chunks
+  std::uint32_t chunks_ = 0;
+  std::string chunk_indexes_;  ///< as they will stand at the end: all that grows, some 200 bytes a chunk
 };
 
 }  // namespace flies
