@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 using Answer = flies::FrameStream::Answer;
 
 constexpr std::size_t kPairsToDiagnose = 5;
-constexpr std::size_t kRecentPairs = 8;  // an engine holds two, one in work and one that waits
+constexpr std::size_t kRecentPairs = 16;  // an engine holds two, one in work and one that waits, and eight results
 
 }  // namespace
 
@@ -178,7 +178,7 @@ std::shared_ptr<const LivePair> LiveRun::pair_at(double time_s) {
 }
 
 void LiveRun::hand_on_results(const std::shared_ptr<flies::Engine>& engine, std::uint64_t& last) {
-  const auto snapshot = engine->wait(last, 50ms);
+  const auto snapshot = engine->wait_for_next(last, 50ms);
   if (snapshot->number == last) return;
   last = snapshot->number;
   if (!snapshot->error.empty() && !std::exchange(error_told_, true)) say(snapshot->error);

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <cstring>
+#include <deque>
 #include <exception>
 #include <limits>
 #include <mutex>
@@ -46,6 +48,9 @@ struct OwnPair {
   }
 };
 
+/// How late a reader of all results may be: a quarter of a second at 30 Hz, and some 3 MB.
+constexpr std::size_t kKeptResults = 8;
+
 }  // namespace
 
 /// Locks are held to swap pointers and never while images are copied or worked on.
@@ -59,6 +64,7 @@ struct Engine::State {
   std::unique_ptr<OwnPair> next;   ///< waits for the worker
   std::unique_ptr<OwnPair> spare;  ///< keeps its memory
   std::shared_ptr<const Snapshot> newest = std::make_shared<Snapshot>();
+  std::deque<std::shared_ptr<const Snapshot>> kept;  ///< the newest last
   std::uint64_t submitted = 0, dropped = 0;
   double last_time_s = -std::numeric_limits<double>::infinity();
   bool is_ending = false;
@@ -95,6 +101,8 @@ struct Engine::State {
         result->submitted = submitted;
         result->dropped = dropped;
         newest = std::move(result);
+        kept.push_back(newest);
+        if (kept.size() > kKeptResults) kept.pop_front();
       }
       result_came.notify_all();
     }
@@ -155,6 +163,13 @@ std::shared_ptr<const Snapshot> Engine::wait(std::uint64_t after, std::chrono::m
   std::unique_lock lock(state_->mutex);
   state_->result_came.wait_for(lock, timeout, [&] { return state_->newest->number > after; });
   return state_->newest;
+}
+
+std::shared_ptr<const Snapshot> Engine::wait_for_next(std::uint64_t after, std::chrono::milliseconds timeout) const {
+  std::unique_lock lock(state_->mutex);
+  state_->result_came.wait_for(lock, timeout, [&] { return state_->newest->number > after; });
+  const auto next = std::ranges::find_if(state_->kept, [&](const auto& result) { return result->number > after; });
+  return next == state_->kept.end() ? state_->newest : *next;
 }
 
 }  // namespace flies

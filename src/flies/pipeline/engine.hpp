@@ -26,7 +26,8 @@ struct Snapshot {
 /// A tracker with a thread of its own, for a living camera: pairs go in whenever they come, and whoever needs the
 /// obstacles reads the newest whenever it likes. A pair that has not been started when a newer one comes is dropped and
 /// counted, so a burst or a slow machine costs old pairs and never delays new ones.
-/// Threads: all members may be called from any threads at once; none waits for work to be done but `wait`.
+/// Threads: all members may be called from any threads at once; none waits for work to be done but `wait` and
+/// `wait_for_next`.
 class Engine {
  public:
   /// @throws InputError when the camera or an option is out of range
@@ -48,6 +49,11 @@ class Engine {
   /// Waits for a result newer than number `after`.
   /// @returns it, or the newest there is when the timeout comes first
   std::shared_ptr<const Snapshot> wait(std::uint64_t after, std::chrono::milliseconds timeout) const;
+
+  /// The same for who must not miss a result, to write them all down: the result after number `after`, or where that is
+  /// no longer kept the oldest of the last eight.
+  /// @returns it, or the newest there is when the timeout comes first
+  std::shared_ptr<const Snapshot> wait_for_next(std::uint64_t after, std::chrono::milliseconds timeout) const;
 
  private:
   struct State;

@@ -104,6 +104,20 @@ TEST(Engine, ASnapshotIsNotChangedByLaterPairs) {
   EXPECT_EQ(first->tracking.detection.evolved.flies.x_m, flies);
 }
 
+TEST(Engine, AReaderWhoIsALittleLateMissesNoResult) {
+  Engine engine(camera(), few_flies(), {}, nullptr);
+  constexpr std::uint64_t kPairs = 12, kKept = 8;
+  for (std::uint64_t i = 0; i < kPairs; ++i) {
+    engine.submit(Wall(10).pair(), 0.1 * static_cast<double>(i));
+    ASSERT_EQ(engine.wait(i, kLong)->number, i + 1);
+  }
+  EXPECT_EQ(engine.wait(0, kLong)->number, kPairs);
+  for (std::uint64_t number = kPairs - kKept; number < kPairs; ++number)
+    EXPECT_EQ(engine.wait_for_next(number, kLong)->number, number + 1);
+  EXPECT_EQ(engine.wait_for_next(0, kLong)->number, kPairs - kKept + 1);
+  EXPECT_EQ(engine.wait_for_next(kPairs, std::chrono::milliseconds(1))->number, kPairs);
+}
+
 TEST(Engine, ABurstCostsOldPairsWhichAreCounted) {
   Engine engine(camera(), few_flies(), {}, nullptr);
   const Wall wall(10);
