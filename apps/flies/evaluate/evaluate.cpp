@@ -249,9 +249,9 @@ void setup_evaluate(CLI::App& app) {
       ->group("Method");
   command
       ->add_option("--yardstick", arguments->yardsticks,
-                   "measured in the same run: sgbm, sgbm-3way (OpenCV's dense matching), hog-48x96, hog-64x128\n"
-                   "(OpenCV's search of the whole image for people), network:NAME.weights (a network of Darknet\n"
-                   "with NAME.cfg beside it, on the whole image), or a preset")
+                   "measured in the same run: sgbm, sgbm-3way (OpenCV's dense matching), hog-48x96, hog-64x128 "
+                   "(OpenCV's search of the whole image for people), network:NAME.weights (a network of Darknet, "
+                   "NAME.cfg beside it, on the whole image), or a preset")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("LIST")
