@@ -264,11 +264,15 @@ void setup_evaluate(CLI::App& app) {
   add_listed_options<flies::PeopleOptions>(*command, "people.", "Measuring", arguments->people);
   add_listed_options<flies::EstimateOptions>(*command, "estimate.", "Measuring", arguments->estimate);
   add_listed_options<flies::TrackerOptions>(*command, "", "Measuring", arguments->tracker);
+  auto* const follow = command->add_flag_callback(
+      "--sequence", [arguments] { arguments->sequence = true; },
+      "follow the pairs as one sequence and measure tracks; default where times and motion are known");
   command
-      ->add_flag_function(
-          "--sequence,!--no-sequence", [arguments](std::int64_t count) { arguments->sequence = count > 0; },
-          "follow the pairs as one sequence and measure tracks; default where times and motion are known")
+      ->add_flag_callback(
+          "--no-sequence", [arguments] { arguments->sequence = false; }, "measure the pairs one by one alone")
+      ->excludes(follow)
       ->group("Method");
+  follow->group("Method");
   command->add_flag("--missed", arguments->missed, "list what was missed and, of people, false alarms, pair by pair")
       ->group("Output");
   command->add_option("--plot", arguments->plot, "people: miss rate over false alarms a pair, as PNG")
