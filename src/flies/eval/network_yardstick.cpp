@@ -61,6 +61,9 @@ NetworkSearch::NetworkSearch(const std::string& weights_file, const NetworkSearc
   for (const auto& file : {weights_file, cfg_file})
     if (!std::filesystem::is_regular_file(file))
       throw InputError(file, "", "is missing; a network of Darknet is NAME.weights beside NAME.cfg");
+  // OpenCV does not ask whether there is a header.
+  if (constexpr std::size_t kHeader = 20; std::filesystem::file_size(weights_file) < kHeader)
+    throw InputError(weights_file, "", "is too short to be a file of weights");
   cv::Size size = input_size(cfg_file);
   if (options.width_px > 0) size.width = options.width_px;
   if (options.height_px > 0) size.height = options.height_px;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -106,10 +107,14 @@ TEST(NetworkYardstick, NamesTheFileThatIsMissingOrNoNetwork) {
   EXPECT_THAT(error("absent.weights"), HasSubstr("absent.weights: is missing"));
   folder.write("alone.weights", "x");
   EXPECT_THAT(error("alone.weights"), HasSubstr("alone.cfg: is missing"));
+  folder.write("alone.cfg", kConfiguration);
+  EXPECT_THAT(error("alone.weights"), HasSubstr("alone.weights: is too short"));
+  std::filesystem::copy_file(folder.file("cells.weights"), folder.file("alone.weights"),
+                             std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::resize_file(folder.file("alone.weights"), 2000);
+  EXPECT_THAT(error("alone.weights"), HasSubstr("alone.weights: has 2000 bytes, and the network in"));
   folder.write("alone.cfg", "[net]\nchannels=3\n");
   EXPECT_THAT(error("alone.weights"), HasSubstr("alone.cfg: width, height: are missing"));
-  folder.write("alone.cfg", kConfiguration);
-  EXPECT_THAT(error("alone.weights"), HasSubstr("alone.weights: has 1 bytes, and the network in"));
   folder.write("alone.cfg", "[net]\nwidth=32\nheight=32\n[nonsense]\n");
   EXPECT_THAT(error("alone.weights"), HasSubstr("alone.weights: OpenCV cannot read this network"));
 }
