@@ -1,4 +1,5 @@
 // What is measured: the detector, and what is held against it.
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -96,7 +97,8 @@ Method network_method(const std::string& weights_file, const NetworkSearchOption
   method.people_threshold = options.threshold;
   const auto search = std::make_shared<NetworkSearch>(weights_file, options);
   method.runs.push_back([=](std::size_t, const TruthFrame& frame) {
-    PeopleSearch found = search->detect(frame.images.left.view(), frame.camera, kLeastProbability);
+    PeopleSearch found =
+        search->detect(frame.images.left.view(), frame.camera, std::min(kLeastProbability, options.threshold));
     return Findings{{}, {}, {}, PeopleFindings{std::move(found.people), found.time_ms}};
   });
   return method;

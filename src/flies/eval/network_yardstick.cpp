@@ -14,18 +14,24 @@
 namespace flies {
 namespace {
 
-/// The size of the image that a network was built for, from the lines `width=` and `height=` of its .cfg.
-cv::Size input_size(const std::string& cfg_file) {
-  cv::Size size;
+/// What a .cfg says of the network as a whole; 0 where it does not.
+struct Configuration {
+  int width_px = 0, height_px = 0;
+  int classes = 0;
+};
+
+Configuration read_configuration(const std::string& cfg_file) {
+  Configuration found;
   std::ifstream file(cfg_file);
-  for (std::string line; std::getline(file, line) && size.area() == 0;) {
+  for (std::string line; std::getline(file, line);) {
     std::erase(line, ' ');
-    for (auto [key, value] : {std::pair{"width=", &size.width}, std::pair{"height=", &size.height}})
-      if (line.starts_with(key)) *value = std::atoi(line.c_str() + std::string_view(key).size());
+    for (auto [key, value] : {std::pair{"width=", &found.width_px}, std::pair{"height=", &found.height_px},
+                              std::pair{"classes=", &found.classes}})
+      if (*value == 0 && line.starts_with(key)) *value = std::atoi(line.c_str() + std::string_view(key).size());
   }
-  if (size.width <= 0 || size.height <= 0)
+  if (found.width_px <= 0 || found.height_px <= 0)
     throw InputError(cfg_file, "width, height", "are missing, and say which images the network is for");
-  return size;
+  return found;
 }
 
 /// OpenCV reads on beyond the end of a file that is too short for the network.
@@ -64,7 +70,12 @@ NetworkSearch::NetworkSearch(const std::string& weights_file, const NetworkSearc
   // OpenCV does not ask whether there is a header.
   if (constexpr std::size_t kHeader = 20; std::filesystem::file_size(weights_file) < kHeader)
     throw InputError(weights_file, "", "is too short to be a file of weights");
-  cv::Size size = input_size(cfg_file);
+  const Configuration configuration = read_configuration(cfg_file);
+  if (configuration.classes > 0 && options.person_class >= configuration.classes)
+    throw InputError(cfg_file, "network.person_class",
+                     fmt::format("found {}, and the network has {} classes, counted from 0", options.person_class,
+                                 configuration.classes));
+  cv::Size size(configuration.width_px, configuration.height_px);
   if (options.width_px > 0) size.width = options.width_px;
   if (options.height_px > 0) size.height = options.height_px;
   try {

@@ -33,13 +33,14 @@ struct NetworkSearchOptions {
 class NetworkSearch {
  public:
   /// @param weights_file NAME.weights; NAME.cfg, which says how the network is built, stands beside it
-  /// @throws InputError naming the file that is missing or that OpenCV cannot read, or an option out of its range
+  /// @throws InputError naming the file that is missing or that OpenCV cannot read, or an option out of its range, such
+  /// as a class that the network does not have
   explicit NetworkSearch(const std::string& weights_file, const NetworkSearchOptions& options = {});
   ~NetworkSearch();
   NetworkSearch(NetworkSearch&&) noexcept;
 
   /// @param least_probability of people that are reported, 0..1, as the network says: confidence times class
-  /// @throws InputError when image and camera do not fit, or the network has no class of that number
+  /// @throws InputError when image and camera do not fit
   PeopleSearch detect(const GrayView& left, const StereoCamera& camera, double least_probability);
 
  private:

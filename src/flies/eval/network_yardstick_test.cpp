@@ -84,17 +84,25 @@ TEST(NetworkYardstick, PutsAPersonWhereTheNetworkSaysWithItsProbability) {
   EXPECT_GT(found.time_ms, 0.0);
 }
 
-TEST(NetworkYardstick, FindsNobodyOfAnotherClassAndNobodyInTheDark) {
+TEST(NetworkYardstick, FindsNobodyInTheDarkAndTheSurestOfThoseWhoOverlap) {
   const testing::TemporaryFolder folder;
   write_network(folder);
   const std::vector<std::uint8_t> black(std::size_t{kWidth_px} * kHeight_px, 0), white(black.size(), 255);
-  const auto count = [&](const std::vector<std::uint8_t>& pixels, int person_class) {
-    NetworkSearch search(folder.file("cells.weights"), {.person_class = person_class});
+  const auto count = [&](const std::vector<std::uint8_t>& pixels, double max_overlap) {
+    NetworkSearch search(folder.file("cells.weights"), {.max_overlap = max_overlap});
     return search.detect({pixels.data(), kWidth_px, kHeight_px, kWidth_px}, camera(), 0.3).people.size();
   };
-  EXPECT_EQ(count(black, 0), 0U);
-  EXPECT_GT(count(white, 0), 0U);
-  EXPECT_EQ(count(white, 14), 0U);
+  EXPECT_EQ(count(black, 0.5), 0U);
+  EXPECT_EQ(count(white, 1.0), 16U);
+  EXPECT_LT(count(white, 0.1), 16U);
+  EXPECT_GT(count(white, 0.1), 0U);
+}
+
+TEST(NetworkYardstick, RefusesAClassThatTheNetworkDoesNotHave) {
+  const testing::TemporaryFolder folder;
+  write_network(folder);
+  EXPECT_THAT(testing::error_of([&] { NetworkSearch(folder.file("cells.weights"), {.person_class = 14}); }),
+              HasSubstr("cells.cfg: network.person_class: found 14, and the network has 1 classes"));
 }
 
 TEST(NetworkYardstick, NamesTheFileThatIsMissingOrNoNetwork) {

@@ -23,9 +23,8 @@ Calibration read_euroc(const NumberTable& left, const CalibrationRequest& reques
   RawPair pair{{}, left.source, right.source, "T_BS"};
   pair.stereo.left = read_camera(left);
   pair.stereo.right = read_camera(right);
-  std::vector<std::string> told;  // of both files alike
   const Pose body_from_left = pose_of(left, "T_BS", pair.notes);
-  const Pose body_from_right = pose_of(right, "T_BS", told);
+  const Pose body_from_right = pose_of(right, "T_BS", pair.notes);
   set_pose(pair.stereo, chained(inverse(body_from_right), body_from_left));
   const auto size = size_of_list(left, "resolution"), other = size_of_list(right, "resolution");
   if (size.width_px != other.width_px || size.height_px != other.height_px)

@@ -1,7 +1,6 @@
 // Kalibr's camchain.yaml: https://github.com/ethz-asl/kalibr/wiki/yaml-formats
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -63,10 +62,7 @@ Calibration read_kalibr(const NumberTable& table, const CalibrationRequest& requ
       table.has("cam1.T_cn_cnm1") || !has_inertial(table, cameras[0]) || !has_inertial(table, cameras[1]);
   const auto from_origin = is_chained ? from_first : from_inertial;
   const Pose right_from_origin = from_origin(table, cameras[1], pair.notes);
-  std::vector<std::string> of_left;
-  set_pose(pair.stereo, chained(right_from_origin, inverse(from_origin(table, cameras[0], of_left))));
-  for (auto& note : of_left)  // chains share poses
-    if (std::ranges::find(pair.notes, note) == pair.notes.end()) pair.notes.push_back(std::move(note));
+  set_pose(pair.stereo, chained(right_from_origin, inverse(from_origin(table, cameras[0], pair.notes))));
   const auto size = size_of_list(table, left + ".resolution"), other = size_of_list(table, right + ".resolution");
   if (size.width_px != other.width_px || size.height_px != other.height_px)
     throw InputError(table.source, right + ".resolution",

@@ -103,10 +103,10 @@ Pose pose_of(const NumberTable& table, const std::string& key, std::vector<std::
     throw InputError(table.source, key,
                      fmt::format("found {} numbers, expected 16 of a 4 x 4 or 12 of a 3 x 4 pose", m.size()));
   if (stands_by_columns(m)) {
-    notes.push_back(
-        fmt::format("{} is transposed (its translation stands in the last row, as MATLAB writes it) and is "
-                    "read so",
-                    key));
+    auto note = fmt::format(
+        "{} is transposed (its translation stands in the last row, as MATLAB writes it) and is read so", key);
+    // Both cameras' files may have the key, and chains share poses.
+    if (std::ranges::find(notes, note) == notes.end()) notes.push_back(std::move(note));
     return pose_of_columns(m, m.size() == 12 ? 3 : 4);
   }
   if (m.size() == 16 && (std::abs(m[12]) > kRounding || std::abs(m[13]) > kRounding || std::abs(m[14]) > kRounding ||

@@ -20,7 +20,7 @@ std::array<double, 9> rotation_of(const NumberTable& table, const std::string& k
 
 /// A rigid motion: 4 x 4 or 3 x 4 numbers, row by row or column by column (the translation below, MATLAB's way), which
 /// only one of can be.
-/// @param notes takes what is to be told: that it stands column by column
+/// @param notes takes what is to be told, once: that it stands column by column
 /// @throws InputError when it is missing, of another count, or neither
 Pose pose_of(const NumberTable& table, const std::string& key, std::vector<std::string>& notes);
 

@@ -77,9 +77,8 @@ Calibration read_vins(const NumberTable& table, const CalibrationRequest& reques
   }
   pair.stereo.left = read_camera(left);
   pair.stereo.right = read_camera(right);
-  std::vector<std::string> told;  // of both poses alike
   const Pose body_from_left = pose_of(table, "body_T_cam0", pair.notes);
-  const Pose body_from_right = pose_of(table, "body_T_cam1", told);
+  const Pose body_from_right = pose_of(table, "body_T_cam1", pair.notes);
   set_pose(pair.stereo, chained(inverse(body_from_right), body_from_left));
   const auto of_left = size_of(left, table), of_right = size_of(right, table);
   if (of_left.width_px != of_right.width_px || of_left.height_px != of_right.height_px)

@@ -197,6 +197,16 @@ TEST(Formats, VinsFusionReadsTheFilesThatItNamesAndRectifies) {
     EXPECT_EQ(calibration.format, "VINS-Fusion configuration");
     expect_rectifies(calibration, rig);
   }
+  // The left camera is the body, whose pose is its own transpose: that of the right one tells that it is transposed.
+  const ToyRig rig;
+  folder.write("cam0_any.yaml", camodocal(rig, false));
+  folder.write("cam1_any.yaml", camodocal(rig, true));
+  const auto transposed = load_calibration(
+      folder.write("transposed.yaml", "%YAML:1.0\n---\ncam0_calib: \"cam0_any.yaml\"\ncam1_calib: \"cam1_any.yaml\"\n" +
+                                          opencv_matrix("body_T_cam0", cv::Mat::eye(4, 4, CV_64F)) +
+                                          opencv_matrix("body_T_cam1", right_from_left(rig).inv().t())));
+  EXPECT_THAT(fmt::format("{}", fmt::join(transposed.notes, "; ")), HasSubstr("body_T_cam1 is transposed"));
+  expect_rectifies(transposed, rig);
   EXPECT_THAT(error_of([&] { load_calibration(folder.file("cam0_any.yaml")); }),
               HasSubstr("body_T_cam0, body_T_cam1: are missing: this file describes one camera"));
   std::filesystem::remove(folder.file("cam1_any.yaml"));
