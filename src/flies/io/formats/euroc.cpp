@@ -1,8 +1,5 @@
 // A sensor.yaml for each camera, as the EuRoC MAV data set has them, and Kimera after it: T_BS is the camera's pose in
 // the frame of the body.
-#include <fmt/format.h>
-
-#include "flies/core/error.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 #include "flies/io/formats/second_file.hpp"
 
@@ -27,10 +24,7 @@ Calibration read_euroc(const NumberTable& left, const CalibrationRequest& reques
   const Pose body_from_right = pose_of(right, "T_BS", pair.notes);
   set_pose(pair.stereo, chained(inverse(body_from_right), body_from_left));
   const auto size = size_of_list(left, "resolution"), other = size_of_list(right, "resolution");
-  if (size.width_px != other.width_px || size.height_px != other.height_px)
-    throw InputError(right.source, "resolution",
-                     fmt::format("found {} x {} px, expected {} x {} px as for the left camera", other.width_px,
-                                 other.height_px, size.width_px, size.height_px));
+  check_same_size(size, other, right.source, "resolution");
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   return calibration_from_raw(std::move(pair), request, left.source + " with " + right.source);

@@ -64,10 +64,7 @@ Calibration read_kalibr(const NumberTable& table, const CalibrationRequest& requ
   const Pose right_from_origin = from_origin(table, cameras[1], pair.notes);
   set_pose(pair.stereo, chained(right_from_origin, inverse(from_origin(table, cameras[0], pair.notes))));
   const auto size = size_of_list(table, left + ".resolution"), other = size_of_list(table, right + ".resolution");
-  if (size.width_px != other.width_px || size.height_px != other.height_px)
-    throw InputError(table.source, right + ".resolution",
-                     fmt::format("found {} x {} px, expected {} x {} px as for {}", other.width_px, other.height_px,
-                                 size.width_px, size.height_px, left));
+  check_same_size(size, other, table.source, right + ".resolution");
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   return calibration_from_raw(std::move(pair), request, table.source);

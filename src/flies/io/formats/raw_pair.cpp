@@ -203,6 +203,13 @@ ImageSize size_of_list(const NumberTable& table, const std::string& key) {
   return {pixels(size[0]), pixels(size[1])};
 }
 
+void check_same_size(ImageSize left, ImageSize right, const std::string& source, const std::string& key) {
+  if (left.width_px == right.width_px && left.height_px == right.height_px) return;
+  throw InputError(source, key,
+                   fmt::format("found {} x {} px, expected {} x {} px as for the left camera", right.width_px,
+                               right.height_px, left.width_px, left.height_px));
+}
+
 ImageSize known_size(ImageSize of_file, const CalibrationRequest& request, const std::string& source) {
   if (of_file.width_px > 0) return of_file;
   if (request.calibrated_width_px > 0) return {request.calibrated_width_px, request.calibrated_height_px};

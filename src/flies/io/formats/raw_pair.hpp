@@ -48,6 +48,9 @@ ImageSize size_of_list(const NumberTable& table, const std::string& key);  ///< 
 /// @throws InputError when that of the images is not that of the file, which was resized
 ImageSize known_size(ImageSize of_file, const CalibrationRequest& request, const std::string& source);
 
+/// @throws InputError when the right camera's size, found in `source` at `key`, is not that of the left one
+void check_same_size(ImageSize left, ImageSize right, const std::string& source, const std::string& key);
+
 /// What ROS and ORB-SLAM write of a raw camera: how it is rectified.
 struct RectifiedView {
   RawCamera camera;

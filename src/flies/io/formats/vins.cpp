@@ -1,7 +1,5 @@
 // Configurations of VINS-Fusion, and the camera files of camodocal that they name:
 // https://github.com/HKUST-Aerial-Robotics/VINS-Fusion, https://github.com/hengli/camodocal
-#include <fmt/format.h>
-
 #include <filesystem>
 
 #include "flies/core/error.hpp"
@@ -81,10 +79,7 @@ Calibration read_vins(const NumberTable& table, const CalibrationRequest& reques
   const Pose body_from_right = pose_of(table, "body_T_cam1", pair.notes);
   set_pose(pair.stereo, chained(inverse(body_from_right), body_from_left));
   const auto of_left = size_of(left, table), of_right = size_of(right, table);
-  if (of_left.width_px != of_right.width_px || of_left.height_px != of_right.height_px)
-    throw InputError(right.source, "image_width, image_height",
-                     fmt::format("found {} x {} px, expected {} x {} px as for the left camera", of_right.width_px,
-                                 of_right.height_px, of_left.width_px, of_left.height_px));
+  check_same_size(of_left, of_right, right.source, "image_width, image_height");
   const auto size = known_size(of_left, request, table.source);
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
