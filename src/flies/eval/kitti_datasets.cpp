@@ -1,0 +1,141 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <set>
+
+#include "flies/core/error.hpp"
+#include "flies/eval/dataset_kinds.hpp"
+#include "flies/eval/disparity_map.hpp"
+#include "flies/eval/kitti_motion.hpp"
+#include "flies/eval/kitti_truth.hpp"
+#include "flies/io/image_folder.hpp"
+
+namespace flies {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Times and motion of the pairs of a drive; left empty where its GPS/IMU does not cover them from the first one on.
+/// The laser triggers the cameras evenly, while the times of the GPS/IMU step by 10 ms: over all pairs both keep the
+/// same time, so even times are right.
+void add_motion(const fs::path& drive, Dataset& dataset) {
+  if (!fs::exists(drive / "oxts" / "timestamps.txt")) return;
+  const auto motion = read_kitti_motion(drive);
+  const std::size_t count = dataset.pairs.size();
+  if (motion.size() < count || count < 2) return;
+  for (std::size_t i = 0; i < count; ++i)
+    if (fs::path(dataset.pairs[i].left).stem() != fmt::format("{:010}", i)) return;
+  const double interval_s = motion[count - 1].time_s / static_cast<double>(count - 1);
+  dataset.true_ego.emplace_back();
+  for (std::size_t i = 0; i < count; ++i) dataset.times_s.push_back(static_cast<double>(i) * interval_s);
+  for (std::size_t i = 1; i < count; ++i) {
+    const auto &a = motion[i - 1], &b = motion[i];
+    dataset.true_ego.push_back(given_ego_motion(interval_s, (a.vx_mps + b.vx_mps) / 2, (a.vy_mps + b.vy_mps) / 2,
+                                                (a.yaw_rate_rps + b.yaw_rate_rps) / 2));
+  }
+}
+
+}  // namespace
+
+Dataset open_kitti_drive(const fs::path& folder, const DatasetRequest& request) {
+  refuse_calib(folder, request);
+  const bool has_grey = fs::is_directory(folder / "image_00") && fs::is_directory(folder / "image_01");
+  const auto cameras = request.cameras.value_or(has_grey ? std::array{0, 1} : std::array{2, 3});
+  const auto images = [&](int camera) { return (folder / fmt::format("image_{:02}", camera) / "data").string(); };
+  CalibrationRequest wanted = calibration_request(request);
+  wanted.cameras = cameras;
+  // The calibration lies beside the drive, which may be given as "." or with a slash at its end.
+  const fs::path drive = (fs::absolute(folder) / "").lexically_normal().parent_path();
+  StereoCamera camera = load_calibration((drive.parent_path() / "calib_cam_to_cam.txt").string(), wanted).camera;
+
+  Dataset dataset{.kind = TruthKind::kitti_drive, .is_sequence = true};
+  dataset.pairs = find_pairs(images(cameras[0]), images(cameras[1]));
+  if (const auto mount = mount_from_road(dataset.pairs, camera, request, dataset.notes)) camera.mount = *mount;
+  const auto truth = std::make_shared<KittiDrive>(drive, camera, cameras[0]);
+  add_motion(drive, dataset);
+  dataset.load = [truth, camera, pairs = dataset.pairs](std::size_t i) {
+    return TruthFrame{load_images(pairs[i], camera), camera, truth->read(stem_of(pairs[i].left))};
+  };
+  return dataset;
+}
+
+Dataset open_kitti_object(const fs::path& folder, const DatasetRequest& request) {
+  refuse_calib(folder, request);
+  refuse_cameras(folder, request);
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder / "label_2"))
+    if (entry.path().extension() == ".txt" && !detail::is_hidden(entry.path()))
+      names.insert(entry.path().stem().string());
+  if (names.empty()) throw InputError((folder / "label_2").string(), "", "holds no labels, expected .txt files");
+  Dataset dataset{.kind = TruthKind::kitti_object};
+  for (const auto& name : names)
+    dataset.pairs.push_back(
+        {(folder / "image_2" / (name + ".png")).string(), (folder / "image_3" / (name + ".png")).string()});
+  const auto camera_of = [folder](const std::string& name, const GrayPair& images, CalibrationRequest wanted) {
+    wanted.width_px = images.left.width_px;
+    wanted.height_px = images.left.height_px;
+    StereoCamera camera = load_calibration((folder / "calib" / (name + ".txt")).string(), wanted).camera;
+    camera.width_px = wanted.width_px;
+    camera.height_px = wanted.height_px;
+    return camera;
+  };
+  CalibrationRequest wanted = calibration_request(request);
+  if (request.find_mount) {
+    const StereoCamera first = camera_of(*names.begin(), load_images(dataset.pairs.front()), wanted);
+    if (const auto mount = mount_from_road(dataset.pairs, first, request, dataset.notes))
+      wanted = with_mount(wanted, *mount);
+  }
+  dataset.load = [folder, wanted, camera_of, pairs = dataset.pairs](std::size_t i) {
+    const std::string name = stem_of(pairs[i].left);
+    TruthFrame frame{load_images(pairs[i]), {}, {}};
+    frame.camera = camera_of(name, frame.images, wanted);
+    frame.truth = read_kitti_object(folder, name, frame.camera);
+    return frame;
+  };
+  return dataset;
+}
+
+Dataset open_kitti_stereo(const fs::path& folder, const DatasetRequest& request) {
+  refuse_cameras(folder, request);
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder / "disp_noc"))
+    if (entry.path().extension() == ".png" && !detail::is_hidden(entry.path()))
+      names.insert(entry.path().stem().string());
+  if (names.empty())
+    throw InputError((folder / "disp_noc").string(), "", "holds no disparity maps, expected .png files");
+  Dataset dataset{.kind = TruthKind::kitti_stereo};
+  for (const auto& name : names)
+    dataset.pairs.push_back(
+        {(folder / "image_0" / (name + ".png")).string(), (folder / "image_1" / (name + ".png")).string()});
+  const auto camera_of = [folder, file = request.calib](const GrayPair& images, CalibrationRequest wanted) {
+    wanted.width_px = images.left.width_px;
+    wanted.height_px = images.left.height_px;
+    const std::string calib =
+        file.empty() ? (folder / fmt::format("calib_{}x{}.yaml", wanted.width_px, wanted.height_px)).string() : file;
+    const Calibration calibration = load_calibration(calib, wanted);
+    if (calibration.rectifier) refuse_raw(calib);
+    StereoCamera camera = calibration.camera;
+    camera.width_px = wanted.width_px;
+    camera.height_px = wanted.height_px;
+    return camera;
+  };
+  CalibrationRequest wanted = calibration_request(request);
+  if (request.find_mount) {
+    const StereoCamera first = camera_of(load_images(dataset.pairs.front()), wanted);
+    if (const auto mount = mount_from_road(dataset.pairs, first, request, dataset.notes))
+      wanted = with_mount(wanted, *mount);
+  }
+  dataset.load = [folder, wanted, camera_of, pairs = dataset.pairs](std::size_t i) {
+    TruthFrame frame{load_images(pairs[i]), {}, {}};
+    frame.camera = camera_of(frame.images, wanted);
+    frame.truth.frame = static_cast<int>(i);
+    frame.truth.name = stem_of(pairs[i].left);
+    frame.truth.map = read_disparity_map(folder / "disp_noc" / (frame.truth.name + ".png"), frame.camera);
+    frame.truth.lidar = frame.truth.map;  // the maps are lidar, gathered over several turns
+    return frame;
+  };
+  return dataset;
+}
+
+}  // namespace flies
