@@ -1,6 +1,7 @@
 #include "flies/classify/convolution.hpp"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cassert>
@@ -179,11 +180,14 @@ double ConvolutionMachine::score(std::span<const float> input, Memory& memory) c
 
 std::vector<double> ConvolutionMachine::scores(const GrayView& image, std::span<const ImageBox> windows) const {
   std::vector<double> scores(windows.size());
-  constexpr std::size_t kAtOnce = 8;  // share their memory
-  tbb::parallel_for(std::size_t{0}, (windows.size() + kAtOnce - 1) / kAtOnce, [&](std::size_t part) {
+  // All windows take the same time: as many of them for each thread, which share their memory.
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  const std::size_t share = (windows.size() + threads - 1) / threads;
+  tbb::parallel_for(std::size_t{0}, threads, [&](std::size_t part) {
+    const std::size_t first = part * share, end = std::min(first + share, windows.size());
+    if (first >= end) return;
     Memory memory(layers_);
-    for (std::size_t i = part * kAtOnce; i < std::min((part + 1) * kAtOnce, windows.size()); ++i)
-      scores[i] = score(convolution_input(image, windows[i]), memory);
+    for (std::size_t i = first; i < end; ++i) scores[i] = score(convolution_input(image, windows[i]), memory);
   });
   return scores;
 }

@@ -6,12 +6,16 @@
 #include <cmath>
 #include <cstring>
 
+#include "flies/fitness/kernels/kernel.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "flies/classify/kernels/convolve.cpp"
 // Vectors without a compile-time size, which NEON serves as well.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include "flies/fitness/kernels/byte_products-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace flies::kernels::HWY_NAMESPACE {
@@ -46,10 +50,17 @@ using D16Half = hn::Rebind<std::int16_t, D32>;
 using DFloat = hn::Rebind<float, D32>;
 constexpr std::size_t kLanes = hn::MaxLanes(D32());
 
+/// Multiplies pairs of whole numbers and adds their products to sums, of two neighbours to one.
+struct MultiplyAdd {
+  HWY_INLINE void operator()(hn::Vec<D16> a, hn::Vec<D16> b, hn::Vec<D32>& sum, hn::Vec<D32>& other) const {
+    sum = hn::ReorderWidenMulAccumulate(D32(), a, b, sum, other);
+  }
+};
+
 /// `kPixels` neighbours of a row, `kVectors` vectors of channels from `first` on: what stays in registers.
-template <std::size_t kPixels, std::size_t kVectors>
-HWY_ATTR void Block(const Convolution& c, const std::int16_t* input, std::size_t input_row, std::size_t first,
-                    std::int16_t* output) {
+template <std::size_t kPixels, std::size_t kVectors, class Accumulate>
+HWY_INLINE void block(const Convolution& c, const std::int16_t* input, std::size_t input_row, std::size_t first,
+                      std::int16_t* output, const Accumulate& accumulate) {
   const D32 d32;
   const D16 d16;
   hn::Vec<D32> sums[kPixels][kVectors], others[kPixels][kVectors];
@@ -67,8 +78,7 @@ HWY_ATTR void Block(const Convolution& c, const std::int16_t* input, std::size_t
           std::int32_t both = 0;
           std::memcpy(&both, source + p * c.stride * pixel, sizeof(both));
           const auto levels = hn::BitCast(d16, hn::Set(d32, both));
-          for (std::size_t v = 0; v < kVectors; ++v)
-            sums[p][v] = hn::ReorderWidenMulAccumulate(d32, w[v], levels, sums[p][v], others[p][v]);
+          for (std::size_t v = 0; v < kVectors; ++v) accumulate(w[v], levels, sums[p][v], others[p][v]);
         }
       }
     }
@@ -84,33 +94,36 @@ HWY_ATTR void Block(const Convolution& c, const std::int16_t* input, std::size_t
   }
 }
 
-template <std::size_t kPixels>
-HWY_ATTR void Pixels(const Convolution& c, const std::int16_t* input, std::size_t input_row, std::int16_t* output) {
+template <std::size_t kPixels, class Accumulate>
+HWY_INLINE void pixels(const Convolution& c, const std::int16_t* input, std::size_t input_row, std::int16_t* output,
+                       const Accumulate& accumulate) {
   constexpr bool kHasManyRegisters = kLanes == 16;
   std::size_t first = 0;
   if constexpr (kHasManyRegisters) {
     if constexpr (kPixels <= 3)
       for (; first + 4 * kLanes <= c.outputs; first += 4 * kLanes)
-        Block<kPixels, 4>(c, input, input_row, first, output);
+        block<kPixels, 4>(c, input, input_row, first, output, accumulate);
     if (first + 3 * kLanes == c.outputs) {
-      Block<kPixels, 3>(c, input, input_row, first, output);
+      block<kPixels, 3>(c, input, input_row, first, output, accumulate);
       return;
     }
   }
-  for (; first + 2 * kLanes <= c.outputs; first += 2 * kLanes) Block<kPixels, 2>(c, input, input_row, first, output);
-  for (; first < c.outputs; first += kLanes) Block<kPixels, 1>(c, input, input_row, first, output);
+  for (; first + 2 * kLanes <= c.outputs; first += 2 * kLanes)
+    block<kPixels, 2>(c, input, input_row, first, output, accumulate);
+  for (; first < c.outputs; first += kLanes) block<kPixels, 1>(c, input, input_row, first, output, accumulate);
 }
 
-HWY_ATTR void Convolve(const Convolution& c, const std::int16_t* input, std::size_t input_row, std::int16_t* output,
-                       std::size_t output_row) {
+template <class Accumulate>
+HWY_INLINE void convolve_by(const Convolution& c, const std::int16_t* input, std::size_t input_row,
+                            std::int16_t* output, std::size_t output_row, const Accumulate& accumulate) {
   const std::size_t pixel = 2 * c.pairs * c.stride;
   for (std::size_t v = 0; v < c.height; ++v) {
     const std::int16_t* source = input + v * c.stride * input_row;
     std::int16_t* target = output + v * output_row;
     std::size_t u = 0;
-    for (; u + 6 <= c.width; u += 6) Pixels<6>(c, source + u * pixel, input_row, target + u * c.outputs);
-    for (; u + 3 <= c.width; u += 3) Pixels<3>(c, source + u * pixel, input_row, target + u * c.outputs);
-    for (; u < c.width; ++u) Pixels<1>(c, source + u * pixel, input_row, target + u * c.outputs);
+    for (; u + 6 <= c.width; u += 6) pixels<6>(c, source + u * pixel, input_row, target + u * c.outputs, accumulate);
+    for (; u + 3 <= c.width; u += 3) pixels<3>(c, source + u * pixel, input_row, target + u * c.outputs, accumulate);
+    for (; u < c.width; ++u) pixels<1>(c, source + u * pixel, input_row, target + u * c.outputs, accumulate);
   }
 }
 
@@ -118,6 +131,43 @@ HWY_ATTR void Convolve(const Convolution& c, const std::int16_t* input, std::siz
 
 }  // namespace flies::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
+
+#if HWY_TARGET == HWY_AVX3
+HWY_PUSH_ATTRIBUTES(FLIES_BYTE_PRODUCTS)
+namespace flies::kernels::HWY_NAMESPACE {
+
+/// `MultiplyAdd` in one instruction.
+struct MultiplyAddAtOnce {
+  inline void operator()(hn::Vec<D16> a, hn::Vec<D16> b, hn::Vec<D32>& sum, hn::Vec<D32>&) const {
+    sum = hn::Vec<D32>{_mm512_dpwssd_epi32(sum.raw, a.raw, b.raw)};
+  }
+};
+
+void convolve_at_once(const Convolution& c, const std::int16_t* input, std::size_t input_row, std::int16_t* output,
+                      std::size_t output_row) {
+  convolve_by(c, input, input_row, output, output_row, MultiplyAddAtOnce());
+}
+
+}  // namespace flies::kernels::HWY_NAMESPACE
+HWY_POP_ATTRIBUTES
+#endif
+
+#if HWY_TARGET != HWY_SCALAR
+HWY_BEFORE_NAMESPACE();
+namespace flies::kernels::HWY_NAMESPACE {
+
+void Convolve(const Convolution& c, const std::int16_t* input, std::size_t input_row, std::int16_t* output,
+              std::size_t output_row) {
+#if HWY_TARGET == HWY_AVX3
+  static const bool at_once = chosen_kernel().target == "AVX3_DL";
+  if (at_once) return convolve_at_once(c, input, input_row, output, output_row);
+#endif
+  convolve_by(c, input, input_row, output, output_row, MultiplyAdd());
+}
+
+}  // namespace flies::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
 
 #if HWY_ONCE
 namespace flies::kernels {
