@@ -49,23 +49,28 @@ using D16 = hn::Repartition<std::int16_t, D32>;
 using D16Half = hn::Rebind<std::int16_t, D32>;
 using DFloat = hn::Rebind<float, D32>;
 constexpr std::size_t kLanes = hn::MaxLanes(D32());
+constexpr bool kHasManyRegisters = kLanes == 16;
 
-/// Multiplies pairs of whole numbers and adds their products to sums, of two neighbours to one.
-struct MultiplyAdd {
-  HWY_INLINE void operator()(hn::Vec<D16> a, hn::Vec<D16> b, hn::Vec<D32>& sum, hn::Vec<D32>& other) const {
-    sum = hn::ReorderWidenMulAccumulate(D32(), a, b, sum, other);
+/// Sums of products of pairs of whole numbers, those of two neighbours in one.
+class PairSums {
+ public:
+  HWY_INLINE PairSums() : sums_(hn::Zero(D32())), others_(hn::Zero(D32())) {}
+  HWY_INLINE void add(hn::Vec<D16> a, hn::Vec<D16> b) {
+    sums_ = hn::ReorderWidenMulAccumulate(D32(), a, b, sums_, others_);
   }
+  HWY_INLINE hn::Vec<D32> total() const { return hn::RearrangeToOddPlusEven(sums_, others_); }
+
+ private:
+  hn::Vec<D32> sums_, others_;
 };
 
 /// `kPixels` neighbours of a row, `kVectors` vectors of channels from `first` on: what stays in registers.
-template <std::size_t kPixels, std::size_t kVectors, class Accumulate>
+template <std::size_t kPixels, std::size_t kVectors, class Sums>
 HWY_INLINE void block(const Convolution& c, const std::int16_t* input, std::size_t input_row, std::size_t first,
-                      std::int16_t* output, const Accumulate& accumulate) {
+                      std::int16_t* output) {
   const D32 d32;
   const D16 d16;
-  hn::Vec<D32> sums[kPixels][kVectors], others[kPixels][kVectors];
-  for (std::size_t p = 0; p < kPixels; ++p)
-    for (std::size_t v = 0; v < kVectors; ++v) sums[p][v] = others[p][v] = hn::Zero(d32);
+  Sums sums[kPixels][kVectors];
   const std::size_t pixel = 2 * c.pairs;
   const std::int16_t* weights = c.weights + 2 * first;
   for (std::size_t row = 0; row < 3; ++row)
@@ -78,7 +83,7 @@ HWY_INLINE void block(const Convolution& c, const std::int16_t* input, std::size
           std::int32_t both = 0;
           std::memcpy(&both, source + p * c.stride * pixel, sizeof(both));
           const auto levels = hn::BitCast(d16, hn::Set(d32, both));
-          for (std::size_t v = 0; v < kVectors; ++v) accumulate(w[v], levels, sums[p][v], others[p][v]);
+          for (std::size_t v = 0; v < kVectors; ++v) sums[p][v].add(w[v], levels);
         }
       }
     }
@@ -87,43 +92,41 @@ HWY_INLINE void block(const Convolution& c, const std::int16_t* input, std::size
   for (std::size_t v = 0; v < kVectors; ++v) {
     const auto scale = hn::LoadU(d, c.scale + first + v * kLanes), offset = hn::LoadU(d, c.offset + first + v * kLanes);
     for (std::size_t p = 0; p < kPixels; ++p) {
-      const auto sum = hn::ConvertTo(d, hn::RearrangeToOddPlusEven(sums[p][v], others[p][v]));
+      const auto sum = hn::ConvertTo(d, sums[p][v].total());
       const auto level = hn::Min(hn::Max(hn::Add(hn::Mul(sum, scale), offset), hn::Zero(d)), hn::Set(d, kMostActive));
       hn::StoreU(hn::DemoteTo(half, hn::NearestInt(level)), half, output + p * c.outputs + first + v * kLanes);
     }
   }
 }
 
-template <std::size_t kPixels, class Accumulate>
-HWY_INLINE void pixels(const Convolution& c, const std::int16_t* input, std::size_t input_row, std::int16_t* output,
-                       const Accumulate& accumulate) {
-  constexpr bool kHasManyRegisters = kLanes == 16;
+template <std::size_t kPixels, class Sums>
+HWY_INLINE void pixels(const Convolution& c, const std::int16_t* input, std::size_t input_row, std::int16_t* output) {
   std::size_t first = 0;
   if constexpr (kHasManyRegisters) {
     if constexpr (kPixels <= 3)
       for (; first + 4 * kLanes <= c.outputs; first += 4 * kLanes)
-        block<kPixels, 4>(c, input, input_row, first, output, accumulate);
+        block<kPixels, 4, Sums>(c, input, input_row, first, output);
     if (first + 3 * kLanes == c.outputs) {
-      block<kPixels, 3>(c, input, input_row, first, output, accumulate);
+      block<kPixels, 3, Sums>(c, input, input_row, first, output);
       return;
     }
   }
   for (; first + 2 * kLanes <= c.outputs; first += 2 * kLanes)
-    block<kPixels, 2>(c, input, input_row, first, output, accumulate);
-  for (; first < c.outputs; first += kLanes) block<kPixels, 1>(c, input, input_row, first, output, accumulate);
+    block<kPixels, 2, Sums>(c, input, input_row, first, output);
+  for (; first < c.outputs; first += kLanes) block<kPixels, 1, Sums>(c, input, input_row, first, output);
 }
 
-template <class Accumulate>
+template <class Sums>
 HWY_INLINE void convolve_by(const Convolution& c, const std::int16_t* input, std::size_t input_row,
-                            std::int16_t* output, std::size_t output_row, const Accumulate& accumulate) {
+                            std::int16_t* output, std::size_t output_row) {
   const std::size_t pixel = 2 * c.pairs * c.stride;
   for (std::size_t v = 0; v < c.height; ++v) {
     const std::int16_t* source = input + v * c.stride * input_row;
     std::int16_t* target = output + v * output_row;
     std::size_t u = 0;
-    for (; u + 6 <= c.width; u += 6) pixels<6>(c, source + u * pixel, input_row, target + u * c.outputs, accumulate);
-    for (; u + 3 <= c.width; u += 3) pixels<3>(c, source + u * pixel, input_row, target + u * c.outputs, accumulate);
-    for (; u < c.width; ++u) pixels<1>(c, source + u * pixel, input_row, target + u * c.outputs, accumulate);
+    for (; u + 6 <= c.width; u += 6) pixels<6, Sums>(c, source + u * pixel, input_row, target + u * c.outputs);
+    for (; u + 3 <= c.width; u += 3) pixels<3, Sums>(c, source + u * pixel, input_row, target + u * c.outputs);
+    for (; u < c.width; ++u) pixels<1, Sums>(c, source + u * pixel, input_row, target + u * c.outputs);
   }
 }
 
@@ -136,16 +139,23 @@ HWY_AFTER_NAMESPACE();
 HWY_PUSH_ATTRIBUTES(FLIES_BYTE_PRODUCTS)
 namespace flies::kernels::HWY_NAMESPACE {
 
-/// `MultiplyAdd` in one instruction.
-struct MultiplyAddAtOnce {
-  inline void operator()(hn::Vec<D16> a, hn::Vec<D16> b, hn::Vec<D32>& sum, hn::Vec<D32>&) const {
-    sum = hn::Vec<D32>{_mm512_dpwssd_epi32(sum.raw, a.raw, b.raw)};
+/// `PairSums` by one instruction, in the compiler's own type of vector: it would copy each sum to and fro otherwise.
+class PairSumsAtOnce {
+ public:
+  inline PairSumsAtOnce() : sums_{} {}
+  inline void add(hn::Vec<D16> a, hn::Vec<D16> b) {
+    sums_ = reinterpret_cast<Lanes>(_mm512_dpwssd_epi32(reinterpret_cast<__m512i>(sums_), a.raw, b.raw));
   }
+  inline hn::Vec<D32> total() const { return hn::Vec<D32>{reinterpret_cast<__m512i>(sums_)}; }
+
+ private:
+  using Lanes = std::int32_t __attribute__((vector_size(64)));
+  Lanes sums_;
 };
 
 void convolve_at_once(const Convolution& c, const std::int16_t* input, std::size_t input_row, std::int16_t* output,
                       std::size_t output_row) {
-  convolve_by(c, input, input_row, output, output_row, MultiplyAddAtOnce());
+  convolve_by<PairSumsAtOnce>(c, input, input_row, output, output_row);
 }
 
 }  // namespace flies::kernels::HWY_NAMESPACE
@@ -162,7 +172,7 @@ void Convolve(const Convolution& c, const std::int16_t* input, std::size_t input
   static const bool at_once = chosen_kernel().target == "AVX3_DL";
   if (at_once) return convolve_at_once(c, input, input_row, output, output_row);
 #endif
-  convolve_by(c, input, input_row, output, output_row, MultiplyAdd());
+  convolve_by<PairSums>(c, input, input_row, output, output_row);
 }
 
 }  // namespace flies::kernels::HWY_NAMESPACE
