@@ -88,8 +88,8 @@ flies::Calibration load_calibration(const std::string& path, const std::string& 
                                     std::optional<std::array<int, 2>> cameras, int width_px, int height_px,
                                     std::optional<std::array<int, 2>> calibrated_size_px,
                                     std::optional<double> camera_height_m, std::optional<double> camera_pitch_rad,
-                                    std::optional<double> camera_roll_rad, bool images_are_raw,
-                                    bool images_are_resized) {
+                                    std::optional<double> camera_roll_rad, bool images_are_raw, bool images_are_resized,
+                                    std::optional<double> baseline_m) {
   flies::CalibrationRequest request;
   request.right_path = right_path;
   request.cameras = cameras;
@@ -104,6 +104,7 @@ flies::Calibration load_calibration(const std::string& path, const std::string& 
   request.camera_roll_rad = camera_roll_rad;
   request.images_are_raw = images_are_raw;
   request.images_are_resized = images_are_resized;
+  request.baseline_m = baseline_m;
   const py::gil_scoped_release release;
   return flies::load_calibration(path, request);
 }
@@ -127,14 +128,15 @@ void bind_calibration(py::module_& module) {
       "load_calibration", &load_calibration, "path"_a, py::kw_only(), "right_path"_a = "", "cameras"_a = py::none(),
       "width_px"_a = 0, "height_px"_a = 0, "calibrated_size_px"_a = py::none(), "camera_height_m"_a = py::none(),
       "camera_pitch_rad"_a = py::none(), "camera_roll_rad"_a = py::none(), "images_are_raw"_a = false,
-      "images_are_resized"_a = false,
+      "images_are_resized"_a = false, "baseline_m"_a = py::none(),
       "Reads a calibration: KITTI, OpenCV (rectified or raw), ROS camera_info, Kalibr, EuRoC, ORB-SLAM, ZED, DepthAI,\n"
       "Basalt, MATLAB, Middlebury or plain YAML, which is recognised from the content. `cameras`: of a file that may\n"
       "have more than two, (left, right). `images_are_raw`: matters where a file is of raw and rectified images. "
       "`width_px`, `height_px`: of the\n"
       "images, where the file does not say or was made at another scale. `calibrated_size_px`: (width, height)\n"
-      "that a file without one is for. `images_are_resized`: whole ones, by any two scales from that size. The mount "
-      "(metres, radians) overrules the file's.\n"
+      "that a file without one is for. `images_are_resized`: whole ones, by any two scales from that size. Baseline "
+      "and\n"
+      "mount (metres, radians) overrule the file's.\n"
       "Raises InputError naming file and key.");
 }
 

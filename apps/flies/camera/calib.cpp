@@ -38,6 +38,7 @@ flies::CalibrationRequest request_of(const CalibArguments& arguments) {
   request.right_path = arguments.camera.right_calib;
   request.images_are_raw = arguments.camera.is_raw;
   request.images_are_resized = arguments.camera.is_resized;
+  request.baseline_m = arguments.camera.baseline_m;
   fill_in(request, arguments.camera);
   if (arguments.size_px.size() == 2) {
     request.width_px = arguments.size_px[0];
@@ -239,6 +240,7 @@ void setup_calib(CLI::App& app) {
       ->type_name("W,H");
   add_raw_option(*command, arguments->camera);
   add_resized_option(*command, arguments->camera);
+  add_baseline_option(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   command->add_option("--write", arguments->format, "convert to: kitti, opencv, ros, yaml")->type_name("FORMAT");
   command->add_option("--output", arguments->output, "where to; else standard output. ros: left.yaml")

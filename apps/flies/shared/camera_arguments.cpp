@@ -21,11 +21,20 @@ void add_resized_option(CLI::App& command, CameraArguments& arguments) {
       "the images are whole ones, resized from the calibration's size, if not by the same across and down");
 }
 
+void add_baseline_option(CLI::App& command, CameraArguments& arguments) {
+  command
+      .add_option("--baseline", arguments.baseline_m,
+                  "distance between the two cameras, metres: overrules the file, whose lengths may be in another unit")
+      ->check(CLI::PositiveNumber.description(""))
+      ->type_name("M");
+}
+
 void add_calibration_options(CLI::App& command, CameraArguments& arguments) {
   command.add_option("--right-calib", arguments.right_calib, "second file, where left and right have one each")
       ->type_name("FILE");
   add_raw_option(command, arguments);
   add_resized_option(command, arguments);
+  add_baseline_option(command, arguments);
   command
       .add_option("--calib-size", arguments.calibrated_size_px,
                   "image size that a calibration file without one is for, where the images were resized")
@@ -55,6 +64,7 @@ flies::CalibrationRequest calibration_request(const CameraArguments& arguments, 
   request.right_path = arguments.right_calib;
   request.images_are_raw = arguments.is_raw;
   request.images_are_resized = arguments.is_resized;
+  request.baseline_m = arguments.baseline_m;
   request.width_px = images.left.width_px;
   request.height_px = images.left.height_px;
   return request;

@@ -16,16 +16,18 @@ struct CameraArguments {
   std::string right_calib;              ///< second file, where left and right have one each
   bool is_raw = false;                  ///< the images are as the cameras gave them
   bool is_resized = false;              ///< by any two scales from the size that the file is for
+  std::optional<double> baseline_m;     ///< overrules the file's
   std::optional<double> height_m, pitch_deg, roll_deg;
 };
 
 void add_mount_options(CLI::App& command, CameraArguments& arguments);
 
-/// What is to be said beside `--calib FILE`: --right-calib, --calib-size, --raw, --resized.
+/// What is to be said beside `--calib FILE`: --right-calib, --calib-size, --raw, --resized, --baseline.
 void add_calibration_options(CLI::App& command, CameraArguments& arguments);
 
 void add_raw_option(CLI::App& command, CameraArguments& arguments);
 void add_resized_option(CLI::App& command, CameraArguments& arguments);
+void add_baseline_option(CLI::App& command, CameraArguments& arguments);
 
 /// @param meaning what `--cameras` does for this command
 void add_cameras_option(CLI::App& command, CameraArguments& arguments, const std::string& meaning);

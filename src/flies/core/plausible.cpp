@@ -65,7 +65,8 @@ std::string likely_units(double baseline, double focal_px) {
         Unit{"kilometres, or metres where the file has millimetres", 1e3}})
     guess(name, baseline * metres);
   guess("metres where the projection matrix wants focal length times metres", baseline * focal_px);
-  return guesses.empty() ? "is the unit that of the board's squares?" : guesses + ", or in squares of the board?";
+  return (guesses.empty() ? "is the unit that of the board's squares?" : guesses + ", or in squares of the board?") +
+         " --baseline M says what it is";
 }
 
 void check_baseline(const StereoCamera& camera, const std::string& source, std::vector<std::string>& notes) {

@@ -19,7 +19,8 @@ namespace {
 /// In order of recognition: the particular before the general.
 const std::array kFormats = {
     &detail::kPlainYaml,     &detail::kMiddlebury,    &detail::kKittiRaw,        &detail::kKittiObject,
-    &detail::kKalibr,        &detail::kKittiOdometry, &detail::kOrbSlam,         &detail::kEuroc,
+    &detail::kKalibr,        &detail::kKittiOdometry, &detail::kStellaVslam,     &detail::kOv2Slam,
+    &detail::kOkvis,         &detail::kKimera,        &detail::kOrbSlam,         &detail::kEuroc,
     &detail::kZed,           &detail::kDepthAi,       &detail::kBasalt,          &detail::kMatlab,
     &detail::kStereodemo,    &detail::kStixel,        &detail::kCityscapes,      &detail::kVins,
     &detail::kRosCameraInfo, &detail::kOpenCvStereo,  &detail::kCameraMatrixText};
@@ -50,6 +51,24 @@ void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
   if (!missing.empty())
     calibration.notes.push_back(fmt::format("the file has no camera {}, assumed: {} ({})", fmt::join(missing, " and "),
                                             fmt::join(assumed, " and "), fmt::join(flags, ", ")));
+}
+
+/// Takes the baseline that the user says, in the file's direction.
+void apply_baseline(const CalibrationRequest& request, const std::string& source, Calibration& calibration) {
+  const double found_m = calibration.camera.baseline_m;
+  if (!request.baseline_m || !(found_m > 0.0)) return;
+  if (!(*request.baseline_m > 0.0) || !std::isfinite(*request.baseline_m))
+    throw InputError(source, "baseline", fmt::format("{} m was asked for, expected more than 0", *request.baseline_m));
+  const double factor = *request.baseline_m / found_m;
+  calibration.camera.baseline_m = *request.baseline_m;
+  if (calibration.rectifier) {
+    RawStereo raw = calibration.rectifier->raw();
+    for (double& t : raw.translation_m) t *= factor;
+    calibration.rectifier.emplace(raw, source);
+    calibration.camera = calibration.rectifier->camera();
+  }
+  calibration.notes.push_back(
+      fmt::format("the baseline is {:.4g} m as was said, not {:.4g} as in the file", *request.baseline_m, found_m));
 }
 
 void check_baseline(const Calibration& calibration, const std::string& source) {
@@ -185,8 +204,9 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
   if (request.images_are_raw && !calibration.rectifier)
     throw InputError(path, "raw images",
                      fmt::format("are nothing that this file describes: {} is of rectified ones", format.name));
-  apply_mount(request, calibration);
   check_baseline(calibration, path);
+  apply_baseline(request, path, calibration);
+  apply_mount(request, calibration);
   auto& camera = calibration.camera;
   check_camera(camera, path);
   const bool says_size = camera.width_px > 0;

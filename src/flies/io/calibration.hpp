@@ -27,7 +27,8 @@ struct CalibrationRequest {
   bool images_are_resized = false;
   int calibrated_width_px = 0;  ///< size that a file without one is for
   int calibrated_height_px = 0;
-  std::optional<double> camera_height_m;  ///< these three overrule the file
+  std::optional<double> baseline_m;  ///< these four overrule the file, whose lengths may be in another unit
+  std::optional<double> camera_height_m;
   std::optional<double> camera_pitch_rad;
   std::optional<double> camera_roll_rad;
 };

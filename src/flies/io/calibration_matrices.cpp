@@ -58,11 +58,11 @@ void check_same_rows(const Intrinsics& left, const Intrinsics& right, const std:
 
 bool is_projection_table(const NumberTable& table) { return table.has("P0") || table.has("P2"); }
 
-Calibration read_kitti(const NumberTable& table, const CalibrationRequest& request, const char* pattern,
-                       const char* size_pattern) {
+/// The cameras that are asked for, or the only pair there is.
+/// @param pattern of the key that each of them has
+std::array<int, 2> kitti_cameras(const NumberTable& table, const CalibrationRequest& request, const char* pattern) {
   const auto key = [&](int camera) { return fmt::format(fmt::runtime(pattern), camera); };
   auto cameras = request.cameras.value_or(request.default_cameras);
-  // A file of one pair leaves no choice.
   if (!request.cameras && table.has(key(0)) && table.has(key(1)) && !table.has(key(2)) && !table.has(key(3)))
     cameras = {0, 1};
   constexpr int kLeft = 101, kRight = 103;  // as DrivingStereo numbers them
@@ -70,24 +70,40 @@ Calibration read_kitti(const NumberTable& table, const CalibrationRequest& reque
   for (const int camera : cameras)
     if (!table.has(key(camera)))
       throw InputError(table.source, key(camera), "is missing; choose the cameras of the images, e.g. 0 and 1");
+  return cameras;
+}
+
+/// KITTI writes whole numbers of pixels as any other number: 1.242000e+03.
+ImageSize kitti_size(const NumberTable& table, const char* pattern, const std::array<int, 2>& cameras) {
+  const auto key = [&](int camera) { return fmt::format(fmt::runtime(pattern), camera); };
+  const ImageSize size = size_of_list(table, key(cameras[0]));
+  if (table.has(key(cameras[1])))
+    check_same_size(size, size_of_list(table, key(cameras[1])), table.source, key(cameras[1]));
+  return size;
+}
+
+Calibration read_kitti(const NumberTable& table, const CalibrationRequest& request, const char* pattern,
+                       const char* size_pattern) {
+  const auto key = [&](int camera) { return fmt::format(fmt::runtime(pattern), camera); };
+  const auto cameras = kitti_cameras(table, request, pattern);
   auto calibration = calibration_from_projections({table, key(cameras[0])}, {table, key(cameras[1])});
   if (size_pattern != nullptr) {
-    const auto& size = table.require(fmt::format(fmt::runtime(size_pattern), cameras[0]), 2);
-    calibration.camera.width_px = static_cast<int>(std::lround(std::clamp(size[0], 0.0, 1e5)));
-    calibration.camera.height_px = static_cast<int>(std::lround(std::clamp(size[1], 0.0, 1e5)));
+    const ImageSize size = kitti_size(table, size_pattern, cameras);
+    calibration.camera.width_px = size.width_px;
+    calibration.camera.height_px = size.height_px;
   }
   return calibration;
 }
 
 /// KITTI raw before rectification: R_0x and T_0x are the pose of the first camera's points in camera x.
 Calibration read_unrectified_kitti(const NumberTable& table, const CalibrationRequest& request) {
-  const auto cameras = request.cameras.value_or(request.default_cameras);
+  const auto cameras = kitti_cameras(table, request, "K_{:02}");
   const auto key = [](const char* name, int camera) { return fmt::format("{}_{:02}", name, camera); };
   const auto camera_of = [&](int camera) {
     return RawCamera{matrix_of(table, key("K", camera)), table.require(key("D", camera)), Lens::brown};
   };
   RawPair pair{{}, key("K", cameras[0]), key("K", cameras[1]), key("R", cameras[1])};
-  const auto size = size_of_list(table, key("S", cameras[0]));
+  const ImageSize size = kitti_size(table, "S_{:02}", cameras);
   pair.stereo = {size.width_px, size.height_px, camera_of(cameras[0]), camera_of(cameras[1]), {}, {}};
   const auto pose = [&](int camera) {
     const auto& t = table.require(key("T", camera), 3);

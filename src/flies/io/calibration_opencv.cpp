@@ -48,11 +48,19 @@ std::array<double, 9> intrinsics_of(const NumberTable& table, const std::string&
 
 Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const CalibrationRequest& request) {
   const auto size = known_size(size_of(table, names), request, table.source);
-  const Lens lens = named_lens(table);
-  const auto camera_of = [&](std::size_t side) {
-    return RawCamera{intrinsics_of(table, names.matrices[side]), table.require(names.distortions[side]), lens};
-  };
   RawPair pair{{}, names.matrices[0], names.matrices[1], names.pose.empty() ? names.rotation : names.pose};
+  // OpenCV's own names stand in for those that are not there.
+  const bool is_undistorted = !table.has(names.distortions[0]) && !table.has(names.distortions[1]);
+  if (is_undistorted)
+    pair.notes.push_back("the file has no coefficients of distortion: the lenses are taken as free of it");
+  const auto camera_of = [&](std::size_t side) {
+    RawCamera camera{intrinsics_of(table, names.matrices[side]), {}, named_lens(table)};
+    if (!is_undistorted) camera.distortion = table.require(names.distortions[side]);
+    if (names.mirrors[side].empty()) return camera;
+    camera.lens = Lens::mei;
+    camera.distortion.insert(camera.distortion.begin(), table.require_number(names.mirrors[side]));
+    return camera;
+  };
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   pair.stereo.left = camera_of(0);

@@ -76,7 +76,7 @@ struct RosCamera {
       view.camera.distortion = table.require(distortion);
     view.rotation = rotation_of(table, key("rectification_matrix", "R", "r"), notes);
     view.projection = table.require(projection().key, 12);
-    if (view.projection[0] == 0.0)
+    if (view.projection[0] == 0.0 || view.projection[5] == 0.0)
       throw InputError(table.source, projection().key, "found a focal length of 0, expected a positive one");
     return view;
   }
@@ -145,7 +145,12 @@ Calibration read_ros(const NumberTable& table, const CalibrationRequest& request
 
 const CalibrationFormat kPlainYaml{
     "flies YAML", false, false,
-    [](const NumberTable& table) { return table.has("fx_px") || table.has("baseline_m") || table.has("cx_px"); },
+    [](const NumberTable& table) {
+      // Programs that write matrices may add a baseline for who reads them.
+      const bool has_matrices = std::ranges::any_of(
+          table.entries, [](const auto& key_and_entry) { return key_and_entry.second.numbers.size() > 1; });
+      return table.has("fx_px") || (!has_matrices && (table.has("baseline_m") || table.has("cx_px")));
+    },
     read_plain};
 
 const CalibrationFormat kRosCameraInfo{"ROS camera_info pair", false, true,

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -124,6 +125,35 @@ bool has_sections(const std::vector<std::string>& lines) {
                      [](const std::string& line) { return line.find('=') != std::string::npos; });
 }
 
+/// What ROS's camera calibrator writes as `ost.txt` and `.ini`: names and their numbers on lines of their own, the
+/// parts of two cameras one after the other, each from `[image]` on. They get the names of its YAML.
+bool parse_ost(const std::vector<std::string>& lines, NumberTable& table) {
+  static const std::map<std::string, std::string, std::less<>> kNames = {{"width", "image_width"},
+                                                                         {"height", "image_height"},
+                                                                         {"camera matrix", "camera_matrix"},
+                                                                         {"distortion", "distortion_coefficients"},
+                                                                         {"rectification", "rectification_matrix"},
+                                                                         {"projection", "projection_matrix"}};
+  const auto count = [&](const char* line) { return std::count(lines.begin(), lines.end(), line); };
+  const auto cameras = count("[image]");
+  if (cameras < 1 || cameras > 2 || count("camera matrix") != cameras || count("projection") != cameras) return false;
+  int camera = 0;
+  NumberEntry* entry = nullptr;
+  for (const auto& line : lines) {
+    const auto name = kNames.find(line);
+    if (line == "[image]") ++camera;
+    if (name == kNames.end()) {
+      const auto numbers = bare_numbers(line);
+      if (numbers && entry != nullptr) entry->numbers.insert(entry->numbers.end(), numbers->begin(), numbers->end());
+      continue;
+    }
+    const std::string key = (cameras == 1 ? "" : camera < 2 ? "left." : "right.") + name->second;
+    if (table.has(key)) throw InputError(table.source, key, "stands in the file twice");
+    entry = &table.entries[key];
+  }
+  return true;
+}
+
 /// Rows of 12 are the projection matrices of KITTI's odometry, without their names; others are kept as one list.
 bool parse_bare_rows(const std::vector<std::string>& lines, NumberTable& table) {
   std::vector<std::vector<double>> rows;
@@ -160,6 +190,7 @@ void append_words(NumberEntry& entry, std::string text) {
 
 bool parse_lines_of_numbers(const std::string& text, NumberTable& table) {
   const auto lines = lines_of(text);
+  if (parse_ost(lines, table)) return true;
   if (is_middlebury(lines) || has_sections(lines)) {
     parse_keyed_lines(lines, '=', table);
     return true;

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <pugixml.hpp>
+#include <sstream>
 
 #include "flies/core/error.hpp"
 #include "flies/io/number_lines.hpp"
@@ -65,9 +66,24 @@ void flatten_yaml(const YAML::Node& node, const std::string& prefix, NumberTable
     if (item.first.IsScalar()) add_yaml(item.second, prefix + item.first.Scalar(), table, depth);
 }
 
+/// OpenCV's YAML starts with a directive that is not YAML ("%YAML:1.0"), and needs no blank behind the colon of a key
+/// ("data:[1, 0]"), which YAML does.
+std::string as_yaml(const std::string& text) {
+  std::string yaml;
+  std::istringstream lines(text.substr(std::min(text.find('\n'), text.size())));
+  for (std::string line; std::getline(lines, line); yaml += line + '\n') {
+    const auto is_of_a_key = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; };
+    const auto first = std::find_if(line.begin(), line.end(), [](char c) { return c != ' '; });
+    const auto colon = std::find_if_not(first, line.end(), is_of_a_key);
+    const bool is_key = colon != first && !std::isdigit(static_cast<unsigned char>(*first)) && colon != line.end() &&
+                        *colon == ':' && std::next(colon) != line.end();
+    if (is_key) line.insert(std::next(colon), ' ');
+  }
+  return yaml;
+}
+
 void parse_yaml(std::string text, NumberTable& table) {
-  // OpenCV starts its YAML with a directive that is not YAML ("%YAML:1.0").
-  if (text.starts_with("%YAML")) text.erase(0, text.find('\n'));
+  if (text.starts_with("%YAML")) text = as_yaml(text);
   // JSON may be indented by tabs, YAML may not.
   if (text.find_first_not_of(" \t\n") != std::string::npos && text[text.find_first_not_of(" \t\n")] == '{')
     std::replace(text.begin(), text.end(), '\t', ' ');

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -68,27 +69,47 @@ std::optional<std::array<double, 2>> raw_pixel(const RawCamera& camera, const cv
                                                cv::Point2d offset_px) {
   const cv::Matx31d ray(offset_px.x / focal_px, offset_px.y / focal_px, 1.0);
   const cv::Matx31d in_camera = cv::Matx33d(rotation).t() * ray;
-  return project(camera, {in_camera(0), in_camera(1), in_camera(2)});
+  const std::array<double, 3> point{in_camera(0), in_camera(1), in_camera(2)};
+  constexpr std::size_t kOwnCoefficients = 5;
+  if (camera.lens != Lens::brown || camera.distortion.size() <= kOwnCoefficients) return project(camera, point);
+  if (!(point[2] > 0.0)) return std::nullopt;
+  std::vector<cv::Point2d> pixel;
+  cv::projectPoints(std::vector<cv::Point3d>{{point[0], point[1], point[2]}}, cv::Vec3d(), cv::Vec3d(),
+                    matrix(camera.matrix, 3), camera.distortion, pixel);
+  return std::array{pixel[0].x, pixel[0].y};
 }
 
 /// Whether the border of the rectified image is seen by both raw cameras.
-bool is_covered(const RawStereo& raw, const Rectification& to, double focal_px) {
+/// @param centre_px of the left and of the right rectified camera
+bool is_covered(const RawStereo& raw, const Rectification& to, double focal_px,
+                const std::array<cv::Point2d, 2>& centre_px) {
   constexpr int kSteps = 32;
+  // A quotient of polynomials may have poles, thin rings about the axis that show nothing.
+  constexpr std::size_t kRational = 8;
+  const bool is_rational = raw.left.lens == Lens::brown && raw.left.distortion.size() >= kRational;
+  const double allowed_share = is_rational ? 0.02 : 0.0;
   const double w = raw.width_px - 1, h = raw.height_px - 1;
+  int seen = 0, unseen = 0;
   for (int i = 0; i <= kSteps; ++i) {
-    const double s = static_cast<double>(i) / kSteps - 0.5;
-    for (const cv::Point2d at : {cv::Point2d(s * w, -0.5 * h), cv::Point2d(s * w, 0.5 * h),
-                                 cv::Point2d(-0.5 * w, s * h), cv::Point2d(0.5 * w, s * h)})
-      for (const auto& [camera, rotation] : {std::pair{&raw.left, &to.r1}, std::pair{&raw.right, &to.r2}}) {
-        const auto pixel = raw_pixel(*camera, *rotation, focal_px, at);
-        if (!pixel || (*pixel)[0] < 0.0 || (*pixel)[0] > w || (*pixel)[1] < 0.0 || (*pixel)[1] > h) return false;
+    const double s = static_cast<double>(i) / kSteps;
+    for (const cv::Point2d at :
+         {cv::Point2d(s * w, 0.0), cv::Point2d(s * w, h), cv::Point2d(0.0, s * h), cv::Point2d(w, s * h)})
+      for (const auto& [camera, rotation, centre] :
+           {std::tuple{&raw.left, &to.r1, centre_px[0]}, std::tuple{&raw.right, &to.r2, centre_px[1]}}) {
+        const auto pixel = raw_pixel(*camera, *rotation, focal_px, at - centre);
+        constexpr double kRounding_px = 0.5;
+        const bool is_seen = pixel && (*pixel)[0] >= -kRounding_px && (*pixel)[0] <= w + kRounding_px &&
+                             (*pixel)[1] >= -kRounding_px && (*pixel)[1] <= h + kRounding_px;
+        ++(is_seen ? seen : unseen);
       }
   }
-  return true;
+  return unseen <= allowed_share * (seen + unseen);
 }
 
-/// For the models that OpenCV does not have: the rotations do not depend on the lens, the focal length is the least
-/// that shows valid pixels only.
+constexpr double kNarrowest = 8.0;  // focal length over width: 7 degrees across
+
+/// For any model: the rotations do not depend on the lens, the focal length is the least that shows valid pixels only,
+/// and no view is wider than a rectified image bears.
 Rectification rectify_any_lens(const RawStereo& raw) {
   RawStereo pinhole = raw;
   for (RawCamera* camera : {&pinhole.left, &pinhole.right}) {
@@ -96,21 +117,39 @@ Rectification rectify_any_lens(const RawStereo& raw) {
     camera->distortion.assign(5, 0.0);
   }
   Rectification result = rectify_by_opencv(pinhole);
-  constexpr double kWidest = 0.25, kNarrowest = 8.0;  // focal length over width: 127 and 7 degrees across
-  double low = kWidest * raw.width_px, high = kNarrowest * raw.width_px;
-  if (!is_covered(raw, result, high)) CV_Error(cv::Error::StsBadArg, "both cameras never see the same");
+  const cv::Point2d middle_px(0.5 * (raw.width_px - 1), 0.5 * (raw.height_px - 1));
+  const auto shows_valid = [&](double focal_px) { return is_covered(raw, result, focal_px, {middle_px, middle_px}); };
+  double low = kWidestRectified * raw.width_px, high = kNarrowest * raw.width_px;
+  if (!shows_valid(high)) CV_Error(cv::Error::StsBadArg, "both cameras never see the same");
   while (high - low > 1e-3 * low) {
     const double middle = 0.5 * (low + high);
-    (is_covered(raw, result, middle) ? high : low) = middle;
+    (shows_valid(middle) ? high : low) = middle;
   }
   const double vertical = std::abs(result.p2.at<double>(1, 3)),
                across_m = result.p2.at<double>(0, 3) / result.p2.at<double>(0, 0);
-  result.p1 = (cv::Mat_<double>(3, 4) << high, 0, 0.5 * (raw.width_px - 1), 0, 0, high, 0.5 * (raw.height_px - 1), 0, 0,
-               0, 1, 0);
+  result.p1 = (cv::Mat_<double>(3, 4) << high, 0, middle_px.x, 0, 0, high, middle_px.y, 0, 0, 0, 1, 0);
   result.p2 = result.p1.clone();
   result.p2.at<double>(0, 3) = high * across_m;
   result.p2.at<double>(1, 3) = vertical;
   return result;
+}
+
+/// Whether OpenCV found the least focal length that shows valid pixels only. It goes back from pixels to rays, where
+/// its steps may lead astray: with rational models, whose quotient has poles, and with lenses that see to the side.
+bool is_tight(const RawStereo& raw, const Rectification& by_opencv) {
+  const double focal_px = by_opencv.p1.at<double>(0, 0);
+  if (!(focal_px >= kWidestRectified * raw.width_px && focal_px <= kNarrowest * raw.width_px)) return false;
+  const auto centre = [](const cv::Mat& p) { return cv::Point2d(p.at<double>(0, 2), p.at<double>(1, 2)); };
+  const std::array centres{centre(by_opencv.p1), centre(by_opencv.p2)};
+  constexpr double kLarger = 1.05;  // OpenCV looks at a few points of the border alone
+  return is_covered(raw, by_opencv, focal_px * kLarger, centres) &&
+         !is_covered(raw, by_opencv, focal_px / kLarger, centres);
+}
+
+Rectification rectification_of(const RawStereo& raw) {
+  if (!is_of(raw, Lens::brown) && !is_of(raw, Lens::equidistant)) return rectify_any_lens(raw);
+  Rectification by_opencv = rectify_by_opencv(raw);
+  return by_opencv.p2.at<double>(1, 3) != 0.0 || is_tight(raw, by_opencv) ? by_opencv : rectify_any_lens(raw);
 }
 
 Remap map_of(const RawCamera& camera, const cv::Mat& rotation, const cv::Mat& projection, const cv::Size& size) {
@@ -146,8 +185,7 @@ Rectifier::Rectifier(const RawStereo& raw, const std::string& source) : raw_(raw
   auto maps = std::make_shared<Maps>();
   Rectification to;
   try {
-    const bool is_opencv = is_of(raw, Lens::brown) || is_of(raw, Lens::equidistant);
-    to = is_opencv ? rectify_by_opencv(raw) : rectify_any_lens(raw);
+    to = rectification_of(raw);
     maps->left = map_of(raw.left, to.r1, to.p1, size);
     maps->right = map_of(raw.right, to.r2, to.p2, size);
   } catch (const cv::Exception& error) {

@@ -19,6 +19,10 @@ struct RawStereo {
   std::array<double, 3> translation_m{};  ///< right_from_left; its x is negative when the right camera is right. T
 };
 
+/// The least focal length of rectified images over their width: 127 degrees across. What lies farther to the side would
+/// take nearly all pixels.
+inline constexpr double kWidestRectified = 0.25;
+
 /// Turns raw pairs into rectified ones: computes the rectification once, then remaps pair after pair. Rotations keep
 /// infinity at disparity 0 and the images are scaled so that only valid pixels are seen. Threads: any number at once.
 class Rectifier {

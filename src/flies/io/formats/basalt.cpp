@@ -42,6 +42,14 @@ Pose read_pose(const NumberTable& table, int camera) {
       {number("px"), number("py"), number("pz")}};
 }
 
+ImageSize read_size(const NumberTable& table, int camera) {
+  const std::string key = "value0.resolution";
+  const auto& sizes = table.require(key);  // lists of lists are one list
+  const auto at = static_cast<std::size_t>(2 * camera);
+  if (sizes.size() < at + 2) throw InputError(table.source, key, fmt::format("has no size for camera {}", camera));
+  return size_of_list({table.source, {{key, {{sizes[at], sizes[at + 1]}, ""}}}}, key);
+}
+
 Calibration read_basalt(const NumberTable& table, const CalibrationRequest& request) {
   const auto [left, right] = request.cameras.value_or(std::array{0, 1});
   RawPair pair{{},
@@ -51,13 +59,8 @@ Calibration read_basalt(const NumberTable& table, const CalibrationRequest& requ
   pair.stereo.left = read_camera(table, left);
   pair.stereo.right = read_camera(table, right);
   set_pose(pair.stereo, chained(inverse(read_pose(table, right)), read_pose(table, left)));
-  // Lists of lists are one list.
-  const auto& sizes = table.require("value0.resolution");
-  const auto at = static_cast<std::size_t>(2 * left);
-  if (sizes.size() < at + 2)
-    throw InputError(table.source, "value0.resolution", fmt::format("has no size for camera {}", left));
-  const NumberTable one{table.source, {{"value0.resolution", {{sizes[at], sizes[at + 1]}, ""}}}};
-  const auto size = size_of_list(one, "value0.resolution");
+  const ImageSize size = read_size(table, left);
+  check_same_size(size, read_size(table, right), table.source, "value0.resolution");
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   return calibration_from_raw(std::move(pair), request, table.source);

@@ -86,8 +86,13 @@ Calibration read_depthai(const NumberTable& table, const CalibrationRequest& req
   const auto [left, right] = request.cameras.value_or(std::array{named("left", 1), named("right", 2)});
   const std::string left_prefix = prefix_of(table, sockets, left), right_prefix = prefix_of(table, sockets, right);
   RawPair pair{{}, left_prefix + "intrinsicMatrix", right_prefix + "intrinsicMatrix", left_prefix + "extrinsics"};
-  pair.stereo.width_px = table.require_size(left_prefix + "width");
-  pair.stereo.height_px = table.require_size(left_prefix + "height");
+  const auto size_of = [&](const std::string& prefix) {
+    return ImageSize{table.require_size(prefix + "width"), table.require_size(prefix + "height")};
+  };
+  const ImageSize size = size_of(left_prefix);
+  check_same_size(size, size_of(right_prefix), table.source, right_prefix + "width, height");
+  pair.stereo.width_px = size.width_px;
+  pair.stereo.height_px = size.height_px;
   pair.stereo.left = read_camera(table, left_prefix);
   pair.stereo.right = read_camera(table, right_prefix);
   set_pose(pair.stereo, right_from_left(table, sockets, left, right, pair.notes));

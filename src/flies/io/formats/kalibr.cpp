@@ -1,6 +1,7 @@
 // Kalibr's camchain.yaml: https://github.com/ethz-asl/kalibr/wiki/yaml-formats
 #include <fmt/format.h>
 
+#include <optional>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -52,7 +53,26 @@ Pose from_first(const NumberTable& table, int camera, std::vector<std::string>& 
   return pose;
 }
 
-Calibration read_kalibr(const NumberTable& table, const CalibrationRequest& request) {
+/// What stands before "cam0": nothing, but for programs that keep the file's content below a key of theirs.
+std::optional<std::string> prefix_of(const NumberTable& table) {
+  const std::string end = "cam0.intrinsics";
+  for (const auto& [key, entry] : table.entries)
+    if (key.ends_with(end) && (key.size() == end.size() || key[key.size() - end.size() - 1] == '.'))
+      return key.substr(0, key.size() - end.size());
+  return std::nullopt;
+}
+
+/// The same without that.
+NumberTable unnested(const NumberTable& table) {
+  const std::string prefix = prefix_of(table).value_or("");
+  NumberTable inner{table.source, {}};
+  for (const auto& [key, entry] : table.entries)
+    if (key.starts_with(prefix)) inner.entries.emplace(key.substr(prefix.size()), entry);
+  return inner;
+}
+
+Calibration read_kalibr(const NumberTable& file, const CalibrationRequest& request) {
+  const NumberTable table = unnested(file);
   const auto cameras = request.cameras.value_or(std::array{0, 1});
   const std::string left = name_of(cameras[0]), right = name_of(cameras[1]);
   RawPair pair{{}, left, right, right + ".T_cn_cnm1"};
@@ -73,6 +93,6 @@ Calibration read_kalibr(const NumberTable& table, const CalibrationRequest& requ
 }  // namespace
 
 const CalibrationFormat kKalibr{"Kalibr camchain", true, false,
-                                [](const NumberTable& table) { return table.has("cam0.intrinsics"); }, read_kalibr};
+                                [](const NumberTable& table) { return prefix_of(table).has_value(); }, read_kalibr};
 
 }  // namespace flies::detail

@@ -25,9 +25,19 @@ const std::vector<Pair> kSides = {{"1", "2"},
                                   {"camera0", "camera1"},
                                   {"cam0", "cam1"}};
 
-const Words kMatrix = {"m",          "k",         "cameramatrix",    "matrix",       "mtx",
-                       "intrinsics", "intrinsic", "intrinsicmatrix", "intrinsicmtx", "cameraintrinsics",
-                       "cammat",     "cameramat"};
+const Words kMatrix = {"m",
+                       "k",
+                       "cameramatrix",
+                       "matrix",
+                       "mtx",
+                       "intrinsics",
+                       "intrinsic",
+                       "intrinsicmatrix",
+                       "intrinsicmtx",
+                       "cameraintrinsics",
+                       "cammat",
+                       "cameramat",
+                       "mat"};
 const Words kDistortion = {"d",
                            "distcoeffs",
                            "distcoeff",
@@ -41,10 +51,12 @@ const Words kDistortion = {"d",
                            "discoeffs",
                            "disto"};
 const Words kProjection = {"p", "projection", "projectionmatrix", "proj", "projmatrix", "projmat"};
-const Words kRotation = {"r",    "rotation", "rotationmatrix", "rot",    "rotmatrix", "rmat", "rmatrix",
-                         "rvec", "om",       "rotationvector", "rotvec", "rodrigues"};
-const Words kTranslation = {"t",    "translation", "translationvector", "trans", "trns", "transvector", "tvec",
-                            "tmat", "tvector"};
+const Words kRotation = {"r",      "rotation",  "rotationmatrix", "rot",         "rotmatrix",
+                         "rmat",   "rmatrix",   "rvec",           "om",          "rotationvector",
+                         "rotvec", "rodrigues", "rotationmat",    "rotationvec", "rotationlefttoright"};
+const Words kTranslation = {
+    "t",    "translation", "translationvector", "trans",          "trns",           "transvector",
+    "tvec", "tmat",        "tvector",           "translationvec", "translationmat", "translationlefttoright"};
 const Words kPose = {"rt", "pose", "extrinsics", "extrinsic", "extrinsicmatrix", "transform", "transformation"};
 const Words kOfBoth = {"", "stereo", "extrinsics", "extrinsic", "stereoparams", "camera2", "cam2"};
 const Words kSize = {"imagesize", "imgsize", "size", "resolution", "imageresolution"};
@@ -117,6 +129,7 @@ OpenCvNames opencv_names(const NumberTable& table) {
   names.matrices = or_else(matrices, {"M1", "M2"});
   names.distortions = or_else(keys.find_of_sides(kDistortion), {"D1", "D2"});
   names.projections = or_else(projections, {"P1", "P2"});
+  names.mirrors = single.find_of_sides({"xi"});
   names.pose = keys.find_first({""}, kPose);
   constexpr std::size_t kVector = 3;
   if (const auto t = table.entries.find(translation); t != table.entries.end() && t->second.numbers.size() > kVector)

@@ -12,6 +12,8 @@ namespace flies::detail {
 struct OpenCvNames {
   /// Of left and right; those of OpenCV's own sample where the file has none.
   std::array<std::string, 2> matrices, distortions, projections;
+  /// Mirrors of the omnidirectional model; empty where the file has none.
+  std::array<std::string, 2> mirrors;
   std::string rotation, translation;  ///< R or a rotation vector, T; of OpenCV's sample where the file has none
   std::string pose;                   ///< both in one matrix; empty where the file has none
   std::string size;                   ///< a list: width, height; empty where the file has none

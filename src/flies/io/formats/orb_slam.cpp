@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/opencv_names.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
 namespace flies::detail {
@@ -47,6 +49,10 @@ Calibration read_rectified(const NumberTable& table, const std::string& prefix) 
     calibration.notes.push_back(
         "the images are taken as rectified because the file has a baseline and no pose of the right camera; its "
         "coefficients of distortion are ignored");
+  if (opencv_names(table).has_matrices)
+    calibration.notes.push_back(
+        "the images are taken as rectified, as Camera.fx and Camera.bf are; the file also holds camera matrices of raw "
+        "cameras, which are ignored");
   return calibration;
 }
 
@@ -57,20 +63,48 @@ RectifiedView read_view(const NumberTable& table, const std::string& side, std::
   view.camera.distortion = table.require(side + ".D");
   view.rotation = rotation_of(table, side + ".R", notes);
   view.projection = table.require(side + ".P", 12);
-  if (view.projection[0] == 0.0) throw InputError(table.source, side + ".P", "found a focal length of 0");
+  if (view.projection[0] == 0.0 || view.projection[5] == 0.0)
+    throw InputError(table.source, side + ".P", "found a focal length of 0");
   return view;
+}
+
+/// ORB-SLAM2 takes of `P` what is left of its last column, and the baseline from `Camera.bf`.
+void check_baselines(const NumberTable& table, const RectifiedView& left, RectifiedView& right,
+                     std::vector<std::string>& notes) {
+  if (!table.has("Camera.bf") || !table.has("Camera.fx")) return;
+  const double fx_px = table.require_number("Camera.fx"), by_bf_m = table.require_number("Camera.bf") / fx_px;
+  double& last = right.projection[3];
+  if (last == 0.0 && left.projection[3] == 0.0) last = -by_bf_m * right.projection[0];
+  const double by_p_m = left.projection[3] / left.projection[0] - last / right.projection[0];
+  constexpr double kRounding = 0.02;
+  if (std::abs(by_bf_m - by_p_m) > kRounding * std::abs(by_p_m))
+    notes.push_back(
+        fmt::format("Camera.bf says a baseline of {:.4g} m, LEFT.P and RIGHT.P one of {:.4g} m, which is taken: are "
+                    "they of another camera?",
+                    by_bf_m, by_p_m));
+}
+
+ImageSize size_of_views(const NumberTable& table) {
+  if (!table.has("LEFT.width")) return size_of(table);
+  const ImageSize left{table.require_size("LEFT.width"), table.require_size("LEFT.height")};
+  if (const ImageSize both = size_of(table);
+      both.width_px > 0 && (both.width_px != left.width_px || both.height_px != left.height_px))
+    throw InputError(table.source, "LEFT.width, LEFT.height",
+                     fmt::format("found {} x {} px, and Camera.width, Camera.height say {} x {}: LEFT and RIGHT are of "
+                                 "another camera, or of images of another size",
+                                 left.width_px, left.height_px, both.width_px, both.height_px));
+  return left;
 }
 
 Calibration read_views(const NumberTable& table, const CalibrationRequest& request) {
   RawPair pair{{}, "LEFT.K", "RIGHT.K", "LEFT.R, RIGHT.R"};
-  const auto left = read_view(table, "LEFT", pair.notes), right = read_view(table, "RIGHT", pair.notes);
+  const auto left = read_view(table, "LEFT", pair.notes);
+  auto right = read_view(table, "RIGHT", pair.notes);
+  check_baselines(table, left, right, pair.notes);
   pair.stereo.left = left.camera;
   pair.stereo.right = right.camera;
   set_pose(pair.stereo, pose_of_views(left, right));
-  const ImageSize own = table.has("LEFT.width")
-                            ? ImageSize{table.require_size("LEFT.width"), table.require_size("LEFT.height")}
-                            : size_of(table);
-  const auto size = known_size(own, request, table.source);
+  const auto size = known_size(size_of_views(table), request, table.source);
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   return calibration_from_raw(std::move(pair), request, table.source);

@@ -28,6 +28,8 @@ constexpr NamedLens kLenses[] = {{"", Lens::brown},
                                  {"plumb_bob", Lens::brown},
                                  {"radtan", Lens::brown},
                                  {"radial-tangential", Lens::brown},
+                                 {"radialtangential", Lens::brown},
+                                 {"radialtangential8", Lens::brown},
                                  {"rational_polynomial", Lens::brown},
                                  {"thin_prism", Lens::brown},
                                  {"brown", Lens::brown},
@@ -115,6 +117,9 @@ void check(const RawPair& pair, const std::string& source) {
   check_camera_matrix(left.matrix, source, pair.left_key);
   check_camera_matrix(right.matrix, source, pair.right_key);
   check_rotation(pair.stereo.rotation, source, pair.pose_key);
+  if (std::ranges::all_of(pair.stereo.translation_m, [](double t) { return t == 0.0; }))
+    throw InputError(source, "baseline",
+                     fmt::format("found 0 m: both cameras stand in one place ({}, {})", pair.left_key, pair.right_key));
   check_distortion(left, pair.left_key, source);
   check_distortion(right, pair.right_key, source);
   if (left.lens != right.lens)
@@ -153,6 +158,12 @@ Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request
   calibration.camera = calibration.rectifier->camera();
   calibration.left_name = pair.left_key;
   calibration.right_name = pair.right_key;
+  const double share = calibration.camera.fx_px / calibration.camera.width_px;
+  constexpr double kRounding = 1.01;
+  if (share < kRounding * kWidestRectified)
+    calibration.notes.push_back(
+        fmt::format("the lenses see farther to the side than a rectified image can show, of which {:.0f} degrees stay",
+                    2.0 * std::atan(0.5 / share) * 180.0 / std::numbers::pi));
   calibration.notes.push_back(
       fmt::format("the images are taken as raw and rectified first, with the {} model", lens_name(raw.left.lens)));
   return calibration;
@@ -174,12 +185,13 @@ std::array<double, 9> matrix_of(const NumberTable& table, const std::string& key
 }
 
 std::vector<double> coefficients_of(const NumberTable& table, const std::string& prefix,
-                                    std::initializer_list<const char*> names) {
+                                    std::initializer_list<const char*> names, std::size_t least) {
   std::vector<double> values, padding;
   for (const char* name : names) {
     padding.push_back(table.has(prefix + name) ? table.require_number(prefix + name) : 0.0);
     if (table.has(prefix + name)) values = padding;
   }
+  if (values.size() < least) values.resize(least, 0.0);
   return values;
 }
 
@@ -219,10 +231,12 @@ ImageSize known_size(ImageSize of_file, const CalibrationRequest& request, const
 }
 
 Pose pose_of_views(const RectifiedView& left, const RectifiedView& right) {
-  // Both rectified frames have the same axes; the right one stands at -P[3] / fx.
+  // Both rectified frames have the same axes; the right one stands at -P[3] / fx, -P[7] / fy.
   Pose rectified;
-  rectified.translation = {right.projection[3] / right.projection[0] - left.projection[3] / left.projection[0], 0.0,
-                           0.0};
+  const auto apart = [&](std::size_t of_axis, std::size_t focal) {
+    return right.projection[of_axis] / right.projection[focal] - left.projection[of_axis] / left.projection[focal];
+  };
+  rectified.translation = {apart(3, 0), apart(7, 5), 0.0};
   const Pose right_from_rectified{transposed(right.rotation), {}}, rectified_from_left{left.rotation, {}};
   return chained(right_from_rectified, chained(rectified, rectified_from_left));
 }

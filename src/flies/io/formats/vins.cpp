@@ -30,15 +30,13 @@ RawCamera read_camera(const NumberTable& table) {
     case Lens::mei: {
       raw.matrix = matrix("gamma1", "gamma2", "u0", "v0");
       raw.distortion = {table.require_number("mirror_parameters.xi")};
-      auto bent = coefficients_of(table, distortion, {"k1", "k2", "p1", "p2"});
-      bent.resize(4, 0.0);
+      const auto bent = coefficients_of(table, distortion, {"k1", "k2", "p1", "p2"});
       raw.distortion.insert(raw.distortion.end(), bent.begin(), bent.end());
       return raw;
     }
     case Lens::brown:
       raw.matrix = matrix("fx", "fy", "cx", "cy");
       raw.distortion = coefficients_of(table, distortion, {"k1", "k2", "p1", "p2"});
-      raw.distortion.resize(4, 0.0);
       return raw;
     default:
       throw InputError(table.source, "model_type", "expected PINHOLE, MEI or KANNALA_BRANDT");

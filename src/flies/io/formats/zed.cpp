@@ -63,6 +63,9 @@ RawCamera read_camera(const NumberTable& table, const std::string& side, const M
   return raw;
 }
 
+/// Firmware of early years writes the other one.
+const char* baseline_name(const NumberTable& table) { return table.has("STEREO.BaseLine") ? "BaseLine" : "Baseline"; }
+
 Calibration read_zed(const NumberTable& table, const CalibrationRequest& request) {
   const Mode& mode = mode_of(table, request);
   RawPair pair{{mode.width_px, mode.height_px, read_camera(table, "LEFT", mode), read_camera(table, "RIGHT", mode)},
@@ -73,14 +76,15 @@ Calibration read_zed(const NumberTable& table, const CalibrationRequest& request
   const auto stereo_or_0 = [&](const std::string& name) { return table.has("STEREO." + name) ? stereo(name) : 0.0; };
   const auto turn = [&](const char* axis) { return stereo(fmt::format("{}_{}", axis, mode.name)); };
   Pose right_from_left{rotation_about({turn("RX"), turn("CV"), turn("RZ")}),
-                       {-stereo("Baseline"), stereo_or_0("TY"), stereo_or_0("TZ")}};
+                       {-stereo(baseline_name(table)), stereo_or_0("TY"), stereo_or_0("TZ")}};
   set_pose(pair.stereo, scaled(right_from_left, kMetresPerMillimetre));
   return calibration_from_raw(std::move(pair), request, table.source);
 }
 
 }  // namespace
 
-const CalibrationFormat kZed{"ZED SN.conf", false, false,
-                             [](const NumberTable& table) { return table.has("STEREO.Baseline"); }, read_zed};
+const CalibrationFormat kZed{
+    "ZED SN.conf", false, false,
+    [](const NumberTable& table) { return table.has(fmt::format("STEREO.{}", baseline_name(table))); }, read_zed};
 
 }  // namespace flies::detail
