@@ -163,6 +163,7 @@ void run_detect(const DetectArguments& arguments) {
       record.pedestrians = detection->pedestrians;
       record.scan = detection->scan;
       record.road = detection->road.plane;
+      record.road_found = detection->road.found;
       record.stage_ms = detection->stage_ms;
     } catch (const flies::InputError& fault) {  // costs this pair, not the others
       if (is_single) throw;

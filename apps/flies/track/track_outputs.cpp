@@ -82,7 +82,8 @@ std::string track_json_line(const TrackedFrame& frame) {
                                   .scan = tracking.detection.scan,
                                   .stage_ms = tracking.detection.stage_ms,
                                   .run = frame.run,
-                                  .road = tracking.detection.road.plane};
+                                  .road = tracking.detection.road.plane,
+                                  .road_found = tracking.detection.road.found};
   Json object = Json::parse(flies::json_line(record));
   object["time_s"] = rounded(tracking.time_s, 1e6);
   object["ego"] = ego_of(tracking.ego);

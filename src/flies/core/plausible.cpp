@@ -176,12 +176,13 @@ void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_
 
 std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px) {
   if (from_width_px <= 0 || from_height_px <= 0 || to_width_px <= 0 || to_height_px <= 0) return std::nullopt;
-  // Half a pixel of rounding in either size, and a tool that rounds down.
-  const double across = static_cast<double>(to_width_px) / from_width_px;
-  const double down = static_cast<double>(to_height_px) / from_height_px;
-  const double slack = 1.0 / from_width_px + 1.0 / from_height_px;
-  if (std::abs(across - down) > slack) return std::nullopt;
-  return across;
+  // Some tools round to the nearest size, others down: the scales that lead to it.
+  const auto least = [](int from_px, int to_px) { return (to_px - 0.5) / from_px; };
+  const auto most = [](int from_px, int to_px) { return (to_px + 1.0) / from_px; };
+  if (std::max(least(from_width_px, to_width_px), least(from_height_px, to_height_px)) >
+      std::min(most(from_width_px, to_width_px), most(from_height_px, to_height_px)))
+    return std::nullopt;
+  return static_cast<double>(to_width_px) / from_width_px;
 }
 
 StereoCamera scaled_camera(StereoCamera camera, ImageScale scale, int width_px, int height_px) {

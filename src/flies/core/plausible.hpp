@@ -27,7 +27,7 @@ std::optional<std::array<int, 2>> size_of_unsized(const StereoCamera& camera, in
 /// @throws InputError when that tells that the images were resized by one scale
 void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_px, const std::string& source);
 
-/// The one scale between two sizes, within the rounding of a pixel; nothing when none fits.
+/// The one scale between two sizes, each rounded to the nearest pixel or down; nothing when none fits.
 std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px);
 
 /// How images were resized.

@@ -170,7 +170,8 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
   if (d.evidence.beyond >= kMinSomeBeyond && d.beyond_share() > kSomeBeyond)
     found.push_back(fmt::format(
         "{:.0f} % of the places that are found would lie beyond infinity: the cameras look towards each other "
-        "or a principal point is wrong, so ranges are too; check cx of both cameras",
+        "or a principal point is wrong, so ranges are too; check cx of both cameras, and that both images were taken "
+        "at the same moment",
         100.0 * d.beyond_share()));
   if (d.nearer_above.value_or(0.0) > kNearerAbove && d.can_be_trusted())
     found.push_back(fmt::format(
@@ -180,7 +181,7 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
   if (!d.road_found)
     found.push_back(
         "no road was found where the mount of the camera says it is: heights and obstacles may be wrong; check "
-        "--camera-height and --camera-pitch");
+        "--camera-height and --camera-pitch, the calibration, and that both images were taken at the same moment");
   return found;
 }
 

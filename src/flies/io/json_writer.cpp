@@ -153,7 +153,10 @@ std::string json_line(const FrameRecord& record) {
                  {"right", record.right},           {"seed", record.seed},
                  {"preset", record.preset},         {"obstacles", array_of(record.obstacles)},
                  {"pedestrians", people_of(record)}};
-  if (record.road) object["road"] = object_of(*record.road);
+  if (record.road) {
+    object["road"] = object_of(*record.road);
+    object["road"]["found"] = record.road_found;
+  }
   if (!record.scan.empty()) {
     object["scan"] = object_of(record.scan, record.run ? &record.run->camera : nullptr);
     object["free_space"] = polygon_of(free_space(record.scan));

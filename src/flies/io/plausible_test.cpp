@@ -203,7 +203,10 @@ TEST(CheckSizeOfUnsized, RefusesHalfTheSizeAndTakesTheWhole) {
 
 TEST(OneScale, FitsHalfTheSizeAndNotAStretchedOne) {
   EXPECT_NEAR(one_scale(1242, 375, 621, 187).value_or(0.0), 0.5, 1e-9);
+  EXPECT_TRUE(one_scale(1242, 375, 1024, 309));
   EXPECT_FALSE(one_scale(1242, 375, 1024, 320));
+  EXPECT_FALSE(one_scale(1242, 375, 1216, 368));  // cropped to multiples of 16
+  EXPECT_FALSE(one_scale(1242, 375, 1246, 375));  // half of a file with a gap between the images
   EXPECT_FALSE(one_scale(1242, 375, 1242, 300));
 }
 

@@ -49,6 +49,7 @@ struct FrameRecord {
   std::optional<DiagnosisRecord> diagnosis = {};  ///< of the whole run, the same in every line
   std::shared_ptr<const RunRecord> run = {};      ///< the same in every line
   std::optional<RoadPlane> road = {};
+  bool road_found = true;  ///< false: too little of it was seen, and `road` is the nominal ground
   std::string error = {};  ///< why the pair could not be used, when it could not: nothing was looked for in it then
 };
 

@@ -87,6 +87,9 @@ TEST(JsonLine, SaysWhatTheRunWasMadeOf) {
   EXPECT_EQ(json["run"]["options"]["evolve.flies"], 5000);
   EXPECT_EQ(json["run"]["options"]["evolve.initial"], "image");
   EXPECT_EQ(json["road"]["slope"], -0.01);
+  EXPECT_EQ(json["road"]["found"], true);
+  record.road_found = false;
+  EXPECT_EQ(Json::parse(json_line(record))["road"]["found"], false);
 }
 
 TEST(JsonLine, HasTheSchemaInOrder) {

@@ -32,6 +32,9 @@ constexpr double kConfirmed = 0.2;
 /// With so many, the told mount gives way only to much better evidence.
 constexpr double kLikely = 0.1;
 
+/// A mount beside the told one takes its place when it has so many times the probes on the road.
+constexpr double kMoreRoad = 1.5;
+
 /// Support that a plane needs to be the ground, as a share of the places matched: 0.04 to 0.5 where much of it is seen,
 /// at most 0.012 where none is (images turned by 180 degrees, but for floors that are 5 m away or stand upright).
 constexpr double kGroundShare = 0.015;
@@ -73,24 +76,34 @@ std::vector<GroundPlane> planes_around(const CameraMount& told, double scale_px_
 /// What one pair says.
 struct Vote {
   std::size_t places = 0;
-  double told_support = 0.0;              ///< of the best plane around the told mount
-  double support = 0.0;                   ///< of the best plane
-  std::optional<CameraMount> mount = {};  ///< of that plane, where it is sure enough
+  double told_support = 0.0;                  ///< of the best plane around the told mount
+  std::optional<CameraMount> near_told = {};  ///< of that plane, where it is sure enough
+  double support = 0.0;                       ///< of the best plane
+  std::optional<CameraMount> mount = {};      ///< of that plane, likewise
 };
+
+/// The mount above a plane that is sure enough.
+std::optional<CameraMount> sure_mount(const SeenPlaces& seen, const GroundPlane& plane) {
+  const MountDeviation deviation = mount_deviation(seen, plane);
+  const CameraMount mount = mount_above(plane, seen.scale_px_m);
+  if (mount.height_m <= kHighest_m && deviation.height_share < kMaxHeightDeviation &&
+      deviation.pitch_rad < kMaxTiltDeviation_rad && deviation.roll_rad < kMaxTiltDeviation_rad)
+    return mount;
+  return std::nullopt;
+}
 
 Vote vote_of(const SeenPlaces& seen, const CameraMount& told) {
   Vote vote;
   vote.places = seen.places.size();
   const auto near_told = planes_around(told, seen.scale_px_m);
-  if (const auto found = fit_ground(seen, around(told), near_told)) vote.told_support = found->support;
+  if (const auto found = fit_ground(seen, around(told), near_told)) {
+    vote.told_support = found->support;
+    vote.near_told = sure_mount(seen, found->plane);
+  }
   const auto best = fit_ground(seen, {}, near_told);
   if (!best) return vote;
   vote.support = std::max(best->support, vote.told_support);
-  const MountDeviation deviation = mount_deviation(seen, best->plane);
-  const CameraMount mount = mount_above(best->plane, seen.scale_px_m);
-  if (mount.height_m <= kHighest_m && deviation.height_share < kMaxHeightDeviation &&
-      deviation.pitch_rad < kMaxTiltDeviation_rad && deviation.roll_rad < kMaxTiltDeviation_rad)
-    vote.mount = mount;
+  vote.mount = sure_mount(seen, best->plane);
   return vote;
 }
 
@@ -202,6 +215,24 @@ double road_share(std::span<const RectifiedPair> pairs, const StereoCamera& came
   return probes == 0 ? 0.0 : static_cast<double>(on_road) / static_cast<double>(probes);
 }
 
+/// The mount beside the told one that shows more of the road's probes on the road: a few centimetres or a degree are
+/// more than the search for the road of each pair makes up for where the road is bare.
+std::optional<CameraMount> nearby_mount(const Evidence& evidence, std::span<const RectifiedPair> pairs,
+                                        const StereoCamera& camera, double told_road) {
+  std::vector<Vote> votes;
+  for (Vote vote : evidence.votes) {
+    vote.mount = vote.near_told;
+    vote.support = vote.told_support;
+    votes.push_back(vote);
+  }
+  const auto mount = agreed_mount(votes, kGroundShare);
+  if (!mount) return std::nullopt;
+  StereoCamera moved = camera;
+  moved.mount = *mount;
+  const double share = road_share(pairs, moved);
+  return share > kMoreRoad * told_road && share >= kLikely ? mount : std::nullopt;
+}
+
 }  // namespace
 
 MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera& camera) {
@@ -222,8 +253,9 @@ MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera
 
   const bool is_as_told = evidence.is_as_told();
   const double least_share = told_road >= kLikely ? kMuchGroundShare : kGroundShare;
-  const auto mount = is_as_told ? std::nullopt : agreed_mount(evidence.votes, least_share);
-  finding.is_confirmed = is_as_told && finding.ground_share >= kGroundShare;
+  const auto mount =
+      is_as_told ? nearby_mount(evidence, pairs, camera, told_road) : agreed_mount(evidence.votes, least_share);
+  finding.is_confirmed = is_as_told && !mount && finding.ground_share >= kGroundShare;
   finding.is_replaced = mount.has_value();
   if (mount) finding.mount = *mount;
   return finding;
@@ -236,12 +268,19 @@ std::optional<std::string> mount_note(const MountFinding& finding) {
   if (!finding.is_replaced) return std::nullopt;
   const CameraMount &told = finding.told, &seen = finding.mount;
   const auto tilt = [](double rad) { return degrees(rad) + 0.0; };
-  return fmt::format(
+  std::string note = fmt::format(
       "the road lies {:.2f} m below the camera, which looks {:.1f} degrees down and leans {:.1f} to the right, not "
       "{:.2f} m, {:.1f} and {:.1f}: that is used; give it as --camera-height {:.2f} --camera-pitch {:.1f} "
       "--camera-roll {:.1f}, or --mount given for the other",
       seen.height_m, tilt(seen.pitch_rad), tilt(seen.roll_rad), told.height_m, tilt(told.pitch_rad),
       tilt(told.roll_rad), seen.height_m, tilt(seen.pitch_rad), tilt(seen.roll_rad));
+  // All ranges grow with the baseline, and so does the height that the road is seen at.
+  constexpr double kMuch = 0.15;
+  if (std::abs(seen.height_m / told.height_m - 1.0) > kMuch)
+    note += fmt::format(
+        ". If {:.2f} m was measured, the baseline or the focal length is not that of the cameras but {:.3g} times it",
+        told.height_m, seen.height_m / told.height_m);
+  return note;
 }
 
 }  // namespace flies
