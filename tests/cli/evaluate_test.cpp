@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
@@ -81,6 +82,31 @@ TEST_F(Evaluate, WritesTheDocumentedJson) {
   EXPECT_EQ(method(evaluation, 0).at("by_class").at("Box").at("objects"), 2);
   EXPECT_EQ(method(evaluation, 0).at("by_range").at("5-10 m").at("objects"), 0);
   EXPECT_EQ(method(evaluation, 0).at("by_range").at("10-20 m").at("objects"), 2);
+}
+
+TEST_F(Evaluate, MakesUpForRowsThatLieApartAndTells) {
+  for (const char* name : {"a", "b"}) {
+    const cv::Mat right = street_pair().right;
+    cv::Mat lower = right.clone();
+    constexpr int kRows_px = 3;
+    right.rowRange(0, right.rows - kRows_px).copyTo(lower.rowRange(kRows_px, right.rows));
+    cv::imwrite((folder.path() / "scenes/right" / (std::string(name) + ".png")).string(), lower);
+  }
+  const RunResult result = run_flies(folder.path(), evaluate({"--json", "-"}));
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("made up for"));
+  EXPECT_THAT(json::parse(result.out).at("notes").dump(), HasSubstr("made up for"));
+  const RunResult as_it_is = run_flies(folder.path(), evaluate({"--json", "-", "--self-rectify", "off"}));
+  EXPECT_THAT(as_it_is.err, HasSubstr("not quite rectified"));
+}
+
+TEST_F(Evaluate, RefusesAnyPairThatIsNone) {
+  cv::Mat noise(street_pair().right.size(), street_pair().right.type());
+  cv::randu(noise, 0, 255);
+  cv::imwrite((folder.path() / "scenes/right/b.png").string(), noise);
+  const RunResult result = run_flies(folder.path(), evaluate());
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("scenes/right/b.png: not a pair with scenes/left/b.png"));
 }
 
 TEST_F(Evaluate, FollowsOnlyWhatIsASequence) {

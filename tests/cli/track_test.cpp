@@ -66,6 +66,32 @@ TEST_F(TrackCommand, TakesTimesFromAFile) {
   EXPECT_NEAR(json::parse(lines(result.out)[2]).at("time_s").get<double>(), 2.25, 1e-9);
 }
 
+TEST_F(TrackCommand, TimesOfALostPairAreLeftOut) {
+  for (const char* side : {"left", "right"}) fs::rename(folder.path() / side / "2.png", folder.path() / side / "4.png");
+  write_text(folder.path() / "times.txt", "5.0\n5.5\n7.25\n8.0\n9.0\n9.5\n");
+  const auto last_time_s = [&](const RunResult& result) {
+    return result.status == 0 ? json::parse(lines(result.out).at(2)).at("time_s").get<double>() : -1.0;
+  };
+  const RunResult by_file = run({"--calib", "calib.txt", "--times", "times.txt", "--json", "-"});
+  EXPECT_NEAR(last_time_s(by_file), 4.0, 1e-9) << by_file.err;
+  EXPECT_THAT(by_file.err, HasSubstr("holds 6 times for 3 pairs"));
+  EXPECT_THAT(by_file.err, HasSubstr("jump from 1.png to 4.png"));
+  const RunResult by_rate = run({"--calib", "calib.txt", "--rate", "20", "--json", "-"});
+  EXPECT_NEAR(last_time_s(by_rate), 0.2, 1e-9) << by_rate.err;
+  EXPECT_THAT(by_rate.err, HasSubstr("jump from 1.png to 4.png: pairs are missing"));
+}
+
+TEST_F(TrackCommand, TakesTimesFromNames) {
+  for (const std::string side : {"left", "right"})
+    for (int i = 0; i < 3; ++i)
+      fs::rename(folder.path() / side / (std::to_string(i) + ".png"),
+                 folder.path() / side / (side + "_169876543" + std::to_string(i) + ".500.png"));
+  const RunResult result = run({"--calib", "calib.txt", "--json", "-"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NEAR(json::parse(lines(result.out).at(2)).at("time_s").get<double>(), 2.0, 1e-6);
+  EXPECT_THAT(result.err, HasSubstr("times are those in the names of the images: 1 pairs a second"));
+}
+
 TEST_F(TrackCommand, WritesKittisTrackingFormat) {
   const RunResult result = run({"--calib", "calib.txt", "--rate", "10", "--kitti", "tracks.txt"});
   ASSERT_EQ(result.status, 0) << result.err;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <optional>
@@ -19,6 +20,8 @@
 #include "flies/eval/evaluation.hpp"
 #include "flies/eval/sequence.hpp"
 #include "flies/eval/unlabelled.hpp"
+#include "flies/io/calibration.hpp"
+#include "flies/io/images.hpp"
 #include "flies/io/output_file.hpp"
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
@@ -36,7 +39,7 @@ struct EvaluateArguments {
   std::string folder;
   std::string calib;
   CameraArguments camera;
-  bool find_mount = true;
+  RunCorrections corrections;
   int start = 0, step = 1;
   std::optional<int> end;
   std::vector<std::string> detections;
@@ -53,7 +56,7 @@ flies::DatasetRequest dataset_request(const EvaluateArguments& arguments) {
   flies::DatasetRequest request;
   request.calib = arguments.calib;
   fill_in(request, arguments.camera);
-  request.find_mount = arguments.find_mount;
+  request.find_mount = arguments.corrections.find_mount;
   return request;
 }
 
@@ -150,6 +153,35 @@ flies::SequenceResult follow(const EvaluateArguments& arguments, const flies::Da
                                   [&](std::size_t done) { progress.show(done); });
 }
 
+/// Whether all pairs are of one rig, whose rows can be made up for alike.
+bool has_one_camera(const flies::Dataset& dataset, const std::string& folder) {
+  if (dataset.kind == flies::TruthKind::scenes)
+    return !std::filesystem::is_directory(std::filesystem::path(folder) / "calib");
+  return dataset.kind == flies::TruthKind::kitti_drive || dataset.kind == flies::TruthKind::foot_points;
+}
+
+/// Makes up for rows as `flies detect` does, and adds what the images say to the notes.
+void look_at_images(const EvaluateArguments& arguments, const std::vector<std::size_t>& frames,
+                    flies::Dataset& dataset) {
+  RunCorrections corrections = arguments.corrections;
+  corrections.find_mount = false;  // found already, if it was to be
+  if (!has_one_camera(dataset, arguments.folder)) corrections.self_rectify = SelfRectify::off;
+  flies::Calibration calibration;
+  calibration.camera = dataset.load(frames.front()).camera;
+  const auto load = [&](std::size_t i) {
+    const auto& [left, right] = dataset.pairs[frames[i]];
+    return flies::load_pair(left, right);
+  };
+  const RunDiagnosis run = diagnose(frames.size(), load, calibration, corrections);
+  for (const auto& note : run.notes) dataset.notes.push_back(dataset.pairs[frames.front()].left + ": " + note);
+  if (!run.correction) return;
+  dataset.load = [run, load_as_it_is = std::move(dataset.load)](std::size_t i) {
+    flies::TruthFrame frame = load_as_it_is(i);
+    run.correct(frame.images);
+    return frame;
+  };
+}
+
 void check_outputs(const EvaluateArguments& arguments) {
   OutputClaims claims;
   for (const auto& path : arguments.detections) claims.reads(path);
@@ -180,6 +212,8 @@ void run_evaluate(const EvaluateArguments& arguments) {
   context.options = effective_options(arguments.method, dataset.load(0).camera);
   const auto frames = frames_of(arguments, dataset.pairs.size());
   const bool follows = wants_sequence(arguments, dataset);
+  look_at_images(arguments, frames, dataset);
+  context.notes = dataset.notes;
   const auto methods = methods_of(arguments, context.options, dataset);
   std::optional<flies::OutputFile> json;
   if (!arguments.json.empty()) json.emplace(arguments.json);
@@ -191,6 +225,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
                          static_cast<std::size_t>(context.options.threads));
     cv::setNumThreads(context.options.threads);
   }
+  say_notes(dataset.notes);
   std::optional<ProgressBar> progress(std::in_place, frames.size());
   const auto evaluation =
       flies::evaluate(dataset, frames, methods, context.measuring, [&](std::size_t done) { progress->show(done); });
@@ -198,7 +233,6 @@ void run_evaluate(const EvaluateArguments& arguments) {
   std::optional<flies::SequenceResult> sequence;
   if (follows) sequence = follow(arguments, dataset, frames, context);
 
-  say_notes(dataset.notes);
   if (!arguments.plot.empty()) flies::write_png(arguments.plot, people_curves(evaluation));
   if (!arguments.scan_plot.empty()) flies::write_png(arguments.scan_plot, scan_curves(evaluation));
   if (json) {
@@ -219,7 +253,7 @@ void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
   add_cameras_option(command, arguments.camera, "of a KITTI drive, e.g. 2,3; else 0,1 when there, else 2,3");
   command.add_option("--calib", arguments.calib, "calibration, where the folder holds none")->type_name("FILE");
   add_mount_options(command, arguments.camera);
-  add_mount_option(command, arguments.find_mount);
+  add_correction_options(command, arguments.corrections);
   command
       .add_option("--unlabelled", arguments.unlabelled,
                   "people who are real but not labelled, to be ignored: name,left,top,width,height a line")

@@ -121,6 +121,7 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
                             const std::optional<flies::SequenceResult>& sequence) {
   Json json = {{"truth", context.folder},
                {"kind", flies::kTruthKindNames[static_cast<std::size_t>(context.kind)]},
+               {"notes", context.notes},
                {"pairs", evaluation.frames},
                {"pairs_with_lidar", evaluation.frames_with_lidar},
                {"objects", evaluation.objects},

@@ -3,6 +3,7 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "flies/eval/evaluation.hpp"
 #include "flies/eval/sequence.hpp"
@@ -16,6 +17,7 @@ struct EvaluationContext {
   flies::HogOptions hog;
   flies::TrackerOptions tracker;
   std::string preset;
+  std::vector<std::string> notes;  ///< on calibration and images
   flies::DetectorOptions options;  ///< of the method's first run
 };
 

@@ -56,6 +56,7 @@ std::vector<flies::PairPaths> pairs_of(const PairArguments& arguments) {
   if (!by) throw flies::InputError("--pair-by", arguments.pair_by, "unknown, expected auto, order, name or time");
   auto found = flies::match_pairs(arguments.left, arguments.right, *by);
   if (!found.odd.empty()) say_notes({fmt::format("without a partner, and left out: {}", fmt::join(found.odd, ", "))});
+  say_notes(found.notes);
   return std::move(found.pairs);
 }
 

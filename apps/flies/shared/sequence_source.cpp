@@ -2,11 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <utility>
 
 #include "channels/recording.hpp"
 #include "flies/core/error.hpp"
+#include "flies/io/image_names.hpp"
 #include "flies/io/images.hpp"
+#include "flies/io/pair_matching.hpp"
 #include "flies/io/time_stamps.hpp"
 
 namespace fs = std::filesystem;
@@ -29,18 +35,83 @@ bool is_drawn(const fs::path& folder) {
          fs::exists(folder / "calib.yaml");
 }
 
-std::vector<double> even_times(std::size_t count, double rate_hz) {
+std::vector<std::string> left_images(const std::vector<flies::PairPaths>& pairs) {
+  std::vector<std::string> images;
+  for (const auto& pair : pairs) images.push_back(pair.left);
+  return images;
+}
+
+/// What is told where the numbers in the names of pairs jump: the first jump.
+std::string jump(const std::vector<flies::PairPaths>& pairs, std::size_t after) {
+  const auto name = [&](std::size_t i) { return fs::path(pairs[i].left).filename().string(); };
+  return fmt::format("the numbers in the names jump from {} to {}", name(after - 1), name(after));
+}
+
+/// Times at a rate. Where the numbers in the names jump over lost pairs, so do the times.
+std::vector<double> even_times(const std::vector<flies::PairPaths>& pairs, double rate_hz,
+                               std::vector<std::string>& notes) {
+  const std::size_t count = pairs.size();
   std::vector<double> times_s(count);
   for (std::size_t i = 0; i < count; ++i) times_s[i] = static_cast<double>(i) / rate_hz;
+  const auto numbers = flies::numbers_in_names(left_images(pairs));
+  if (!numbers || count < 2) return times_s;
+  std::vector<std::int64_t> steps;
+  for (std::size_t i = 1; i < count; ++i) steps.push_back((*numbers)[i] - (*numbers)[i - 1]);
+  const std::int64_t usual = *std::min_element(steps.begin(), steps.end());  // 2 where every second image is there
+  const auto odd = std::find_if(steps.begin(), steps.end(), [&](std::int64_t step) { return step != usual; });
+  if (odd == steps.end()) return times_s;
+  const std::string where = jump(pairs, static_cast<std::size_t>(odd - steps.begin()) + 1);
+  if (std::any_of(steps.begin(), steps.end(), [&](std::int64_t step) { return step % usual != 0; })) {
+    notes.push_back(where + ": they are no count of pairs, and the times are taken as even (--times)");
+    return times_s;
+  }
+  for (std::size_t i = 0; i < count; ++i)
+    times_s[i] = static_cast<double>((*numbers)[i] - numbers->front()) / static_cast<double>(usual) / rate_hz;
+  notes.push_back(where + ": pairs are missing, and the times jump over them (--times)");
   return times_s;
 }
 
-/// The first `count` times of a file: a part of a drive has the times of all of it.
-std::vector<double> times_of(const std::string& file, std::size_t count) {
+/// The times of a file. Where it holds more than there are pairs, as of a part of a drive, the numbers in the names say
+/// which; else the first ones are taken.
+std::vector<double> times_of(const std::string& file, const std::vector<flies::PairPaths>& pairs,
+                             std::vector<std::string>& notes) {
   auto times_s = flies::read_time_stamps(file);
-  if (times_s.size() < count)
-    throw flies::InputError(file, "", fmt::format("holds {} times, expected {}, one a pair", times_s.size(), count));
-  times_s.resize(count);
+  const std::size_t count = pairs.size(), held = times_s.size();
+  if (held < count)
+    throw flies::InputError(file, "", fmt::format("holds {} times, expected {}, one a pair", held, count));
+  if (held == count) return times_s;
+  const auto numbers = flies::numbers_in_names(left_images(pairs));
+  const auto last = static_cast<std::int64_t>(held);
+  if (!numbers || numbers->front() < 0 || numbers->back() > last || (numbers->back() == last && numbers->front() < 1)) {
+    notes.push_back(
+        fmt::format("{}: holds {} times for {} pairs whose names do not say which are theirs: the first {} "
+                    "are taken",
+                    file, held, count, count));
+    times_s.resize(count);
+    return times_s;
+  }
+  const std::int64_t first_number = numbers->back() == last ? 1 : 0;
+  std::vector<double> chosen_s;
+  for (const std::int64_t number : *numbers)
+    chosen_s.push_back(times_s[static_cast<std::size_t>(number - first_number)]);
+  for (double& time_s : chosen_s) time_s -= times_s[static_cast<std::size_t>(numbers->front() - first_number)];
+  notes.push_back(
+      fmt::format("{}: holds {} times for {} pairs, taken by the numbers in their names", file, held, count));
+  for (std::size_t i = 1; i < count; ++i)
+    if ((*numbers)[i] != (*numbers)[i - 1] + 1) {
+      notes.back() += ": " + jump(pairs, i);
+      break;
+    }
+  return chosen_s;
+}
+
+/// Times in the names of the pairs, seconds since the first; nothing when they have none, or do not ascend.
+std::optional<std::vector<double>> named_times(const std::vector<flies::PairPaths>& pairs) {
+  auto times_s = flies::times_in_names(left_images(pairs));
+  if (!times_s || pairs.size() < 2) return std::nullopt;
+  if (std::adjacent_find(times_s->begin(), times_s->end(), std::greater_equal()) != times_s->end()) return std::nullopt;
+  const double first_s = times_s->front();
+  for (double& time_s : *times_s) time_s -= first_s;
   return times_s;
 }
 
@@ -60,6 +131,12 @@ void open_recording(SequenceSource& source, const std::string& path,
   }
   source.notes = source.recording->notes();
   if (source.calib.empty()) source.calib = path;
+}
+
+void open_folders(SequenceSource& source, const std::string& left, const std::string& right) {
+  auto found = flies::match_all(left, right);
+  source.pairs = std::move(found.pairs);
+  source.notes = std::move(found.notes);
 }
 
 }  // namespace
@@ -82,7 +159,7 @@ SequenceSource open_sequence(const SequenceRequest& request) {
     source.pairs = flies::find_joined_pairs(request.sources[0]);
   } else if (request.sources.size() == 1 && is_drawn(request.sources[0])) {
     const fs::path folder = request.sources[0];
-    source.pairs = flies::find_pairs((folder / "left").string(), (folder / "right").string());
+    open_folders(source, (folder / "left").string(), (folder / "right").string());
     own_times = (folder / "times.txt").string();
     if (source.calib.empty()) source.calib = (folder / "calib.yaml").string();
   } else if (request.sources.size() == 1) {
@@ -93,29 +170,33 @@ SequenceSource open_sequence(const SequenceRequest& request) {
       throw flies::InputError(request.sources[0], "",
                               "is no KITTI raw drive (image_00/data and image_01/data), no folder of flies synth "
                               "--sequence and no recording (.mcap, .bag), expected one, or two folders");
-    source.pairs = flies::find_pairs((camera_folder(drive, left) / "data").string(),
-                                     (camera_folder(drive, right) / "data").string());
+    open_folders(source, (camera_folder(drive, left) / "data").string(),
+                 (camera_folder(drive, right) / "data").string());
     own_times = (camera_folder(drive, left) / "timestamps.txt").string();
     if (source.calib.empty())
       source.calib =
           (fs::absolute(drive).lexically_normal() / ".." / "calib_cam_to_cam.txt").lexically_normal().string();
   } else {
     if (source.calib.empty()) throw flies::InputError("command line", "--calib", "is missing, expected a file");
-    source.pairs = flies::find_pairs(request.sources[0], request.sources[1]);
+    open_folders(source, request.sources[0], request.sources[1]);
   }
 
-  const std::size_t count = source.pairs.size();
   if (!request.times.empty()) {
-    source.times_s = times_of(request.times, count);
+    source.times_s = times_of(request.times, source.pairs, source.notes);
   } else if (request.rate_hz) {
-    source.times_s = even_times(count, *request.rate_hz);
+    source.times_s = even_times(source.pairs, *request.rate_hz, source.notes);
   } else if (source.recording) {
     // has its own
   } else if (!own_times.empty() && fs::exists(own_times)) {
-    source.times_s = times_of(own_times, count);
+    source.times_s = times_of(own_times, source.pairs, source.notes);
+  } else if (auto times_s = named_times(source.pairs)) {
+    source.times_s = std::move(*times_s);
+    source.notes.push_back(
+        fmt::format("times are those in the names of the images: {:.4g} pairs a second (--rate, --times)",
+                    static_cast<double>(source.pairs.size() - 1) / source.times_s.back()));
   } else {
-    source.times_s = even_times(count, kUsualRate_hz);
     source.notes.push_back(fmt::format("no times given, {} pairs a second assumed (--rate, --times)", kUsualRate_hz));
+    source.times_s = even_times(source.pairs, kUsualRate_hz, source.notes);
   }
   return source;
 }

@@ -35,6 +35,7 @@ struct SequenceRequest {
   std::optional<std::array<int, 2>> cameras;         ///< of a drive; else 0 and 1 if there, else 2 and 3
 };
 
-/// Times: those of `times`, else by `rate_hz`, else the drive's own image_XX/timestamps.txt, else 10 Hz with a note.
+/// Times: those of `times`, else by `rate_hz`, else the drive's own image_XX/timestamps.txt, else those in the names,
+/// else 10 Hz, with notes. The numbers in the names say which times of a file are meant, and where pairs are missing.
 /// @throws flies::InputError when a source is missing, counts differ, or a drive lacks its calibration
 SequenceSource open_sequence(const SequenceRequest& request);

@@ -38,6 +38,10 @@ void refuse_raw(const std::string& calibration_file) {
                    "belongs to raw images, expected that of the rectified images whose truth is known");
 }
 
+void add_notes(const Calibration& calibration, const std::string& file, std::vector<std::string>& notes) {
+  for (const auto& note : calibration.notes) notes.push_back(file + ": " + note);
+}
+
 std::optional<CameraMount> mount_from_road(const std::vector<PairPaths>& pairs, const StereoCamera& camera,
                                            const DatasetRequest& request, std::vector<std::string>& notes) {
   constexpr std::size_t kPairs = 5;
@@ -77,9 +81,7 @@ StereoCamera shared_camera(const fs::path& folder, const DatasetRequest& request
   const Calibration calibration = load_calibration(file, wanted);
   if (calibration.rectifier) refuse_raw(file);
   check_camera_fits(calibration.camera, first.left.width_px, first.left.height_px, file);
-  if (!calibration.has_height)
-    dataset.notes.push_back(
-        fmt::format("{}: holds no camera height, {} m assumed", file, calibration.camera.mount.height_m));
+  add_notes(calibration, file, dataset.notes);
   StereoCamera camera = calibration.camera;
   camera.width_px = first.left.width_px;
   camera.height_px = first.left.height_px;

@@ -27,6 +27,9 @@ void refuse_calib(const std::filesystem::path& folder, const DatasetRequest& req
 void refuse_cameras(const std::filesystem::path& folder, const DatasetRequest& request);
 [[noreturn]] void refuse_raw(const std::string& calibration_file);
 
+/// Notes on a calibration with the name of its file.
+void add_notes(const Calibration& calibration, const std::string& file, std::vector<std::string>& notes);
+
 /// The mount of a camera by the road of up to five pairs of its size, spread over all; nothing when it is as told or
 /// not asked for.
 std::optional<CameraMount> mount_from_road(const std::vector<PairPaths>& pairs, const StereoCamera& camera,

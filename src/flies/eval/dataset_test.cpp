@@ -19,12 +19,14 @@ namespace flies {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ElementsAre;
 using testing::error_of;
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 constexpr const char* kCalibration =
-    "fx_px: 60\ncx_px: 40\ncy_px: 30\nbaseline_m: 0.5\nwidth_px: 80\nheight_px: 60\nheight_m: 1.2\n";
+    "fx_px: 60\ncx_px: 40\ncy_px: 30\nbaseline_m: 0.5\nwidth_px: 80\nheight_px: 60\nheight_m: 1.2\n"
+    "pitch_deg: 0\n";
 constexpr const char* kTruth =
     R"({"objects": [{"class": "car", "x_m": 12, "y_m": 1, "length_m": 4, "width_m": 2, "height_m": 1.5}]})";
 
@@ -103,7 +105,8 @@ TEST(OpenDataset, TakesTheMountFromTheRoadOnRequest) {
   };
   const Folder folder;
   folder.add("calib.yaml",
-             "fx_px: 400\ncx_px: 320\ncy_px: 180\nbaseline_m: 0.5\nwidth_px: 640\nheight_px: 400\nheight_m: 1.65\n");
+             "fx_px: 400\ncx_px: 320\ncy_px: 180\nbaseline_m: 0.5\nwidth_px: 640\nheight_px: 400\nheight_m: 1.65\n"
+             "pitch_deg: 0\n");
   folder.add("left/0.pgm", pgm(pair.left));
   folder.add("right/0.pgm", pgm(pair.right));
   folder.add("truth/0.json", kTruth);
@@ -178,6 +181,15 @@ TEST(OpenDataset, AsksForTheCalibrationOfScenes) {
   EXPECT_EQ(open_dataset(folder.path(), request).load(0).camera.mount.height_m, 0.9);
 }
 
+TEST(OpenDataset, TellsWhatTheCalibrationIsDoubtedFor) {
+  const Folder folder;
+  folder.add("calib.yaml",
+             "fx_px: 60\ncx_px: 40\ncy_px: 30\nbaseline_m: 5.4\nwidth_px: 80\nheight_px: 60\nheight_m: 1.2\n"
+             "pitch_deg: 0\n");
+  folder.add_scene(1);
+  EXPECT_THAT(open_dataset(folder.path()).notes, ElementsAre(HasSubstr("calib.yaml: a baseline of 5.4 m")));
+}
+
 TEST(OpenDataset, ReadsFootPointsAndTellsTheAssumedHeight) {
   const Folder folder;
   folder.add("calib.yaml", "fx_px: 60\ncx_px: 40\ncy_px: 30\nbaseline_m: 0.5\nwidth_px: 80\nheight_px: 60\n");
@@ -190,7 +202,7 @@ TEST(OpenDataset, ReadsFootPointsAndTellsTheAssumedHeight) {
   EXPECT_EQ(dataset.kind, TruthKind::foot_points);
   EXPECT_TRUE(dataset.is_sequence);
   ASSERT_EQ(dataset.notes.size(), 1u);
-  EXPECT_THAT(dataset.notes[0], HasSubstr("no camera height, 1.65 m assumed"));
+  EXPECT_THAT(dataset.notes[0], HasSubstr("no camera height"));
   ASSERT_EQ(dataset.pairs.size(), 2u);
   EXPECT_THAT(dataset.pairs[1].right, HasSubstr("image_1_1.pgm"));
   EXPECT_EQ(dataset.load(0).truth.objects.size(), 1u);

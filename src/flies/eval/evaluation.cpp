@@ -189,8 +189,7 @@ Evaluation evaluate(const Dataset& dataset, std::span<const std::size_t> frames,
   for (const auto& method : methods) records.emplace_back(method.runs.size());
   for (const std::size_t pair : frames) {
     TruthFrame frame = dataset.load(pair);
-    if (truths.empty())
-      check_true_pair(frame.images.view(), frame.camera, dataset.pairs[pair].left, dataset.pairs[pair].right);
+    check_true_pair(frame.images.view(), frame.camera, dataset.pairs[pair].left, dataset.pairs[pair].right);
     const ScanTruth sectors = scan_truth(frame.truth, frame.camera, options.match, options.sectors);
     evaluation.sectors += score_scan(sectors, {}, options.match, options.sectors);
     for (std::size_t m = 0; m < methods.size(); ++m) {

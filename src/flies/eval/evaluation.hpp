@@ -164,7 +164,7 @@ struct Evaluation {
 /// Lets every method find obstacles and people in the pairs of the dataset and measures them against its truth.
 /// @param frames   indices of pairs, in order
 /// @param progress called with the number of pairs done
-/// @throws InputError from reading the pairs and from the methods
+/// @throws InputError from reading the pairs and from the methods, and naming images that are no pair
 Evaluation evaluate(const Dataset& dataset, std::span<const std::size_t> frames, const std::vector<Method>& methods,
                     const EvaluationOptions& options = {}, const std::function<void(std::size_t)>& progress = {});
 

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/eval/dataset_kinds.hpp"
@@ -9,6 +10,7 @@
 #include "flies/eval/kitti_motion.hpp"
 #include "flies/eval/kitti_truth.hpp"
 #include "flies/io/image_folder.hpp"
+#include "flies/io/pair_matching.hpp"
 
 namespace flies {
 
@@ -47,10 +49,15 @@ Dataset open_kitti_drive(const fs::path& folder, const DatasetRequest& request) 
   wanted.cameras = cameras;
   // The calibration lies beside the drive, which may be given as "." or with a slash at its end.
   const fs::path drive = (fs::absolute(folder) / "").lexically_normal().parent_path();
-  StereoCamera camera = load_calibration((drive.parent_path() / "calib_cam_to_cam.txt").string(), wanted).camera;
+  const std::string calib = (drive.parent_path() / "calib_cam_to_cam.txt").string();
+  const Calibration calibration = load_calibration(calib, wanted);
+  StereoCamera camera = calibration.camera;
 
   Dataset dataset{.kind = TruthKind::kitti_drive, .is_sequence = true};
-  dataset.pairs = find_pairs(images(cameras[0]), images(cameras[1]));
+  auto found = match_all(images(cameras[0]), images(cameras[1]));
+  dataset.pairs = std::move(found.pairs);
+  dataset.notes = std::move(found.notes);
+  add_notes(calibration, calib, dataset.notes);
   if (const auto mount = mount_from_road(dataset.pairs, camera, request, dataset.notes)) camera.mount = *mount;
   const auto truth = std::make_shared<KittiDrive>(drive, camera, cameras[0]);
   add_motion(drive, dataset);
@@ -72,24 +79,26 @@ Dataset open_kitti_object(const fs::path& folder, const DatasetRequest& request)
   for (const auto& name : names)
     dataset.pairs.push_back(
         {(folder / "image_2" / (name + ".png")).string(), (folder / "image_3" / (name + ".png")).string()});
-  const auto camera_of = [folder](const std::string& name, const GrayPair& images, CalibrationRequest wanted) {
+  const auto calib_of = [folder](const std::string& name) { return (folder / "calib" / (name + ".txt")).string(); };
+  const auto calibration_of = [calib_of](const std::string& name, const GrayPair& images, CalibrationRequest wanted) {
     wanted.width_px = images.left.width_px;
     wanted.height_px = images.left.height_px;
-    StereoCamera camera = load_calibration((folder / "calib" / (name + ".txt")).string(), wanted).camera;
-    camera.width_px = wanted.width_px;
-    camera.height_px = wanted.height_px;
-    return camera;
+    Calibration calibration = load_calibration(calib_of(name), wanted);
+    calibration.camera.width_px = wanted.width_px;
+    calibration.camera.height_px = wanted.height_px;
+    return calibration;
   };
   CalibrationRequest wanted = calibration_request(request);
+  const Calibration first = calibration_of(*names.begin(), load_images(dataset.pairs.front()), wanted);
+  add_notes(first, calib_of(*names.begin()), dataset.notes);
   if (request.find_mount) {
-    const StereoCamera first = camera_of(*names.begin(), load_images(dataset.pairs.front()), wanted);
-    if (const auto mount = mount_from_road(dataset.pairs, first, request, dataset.notes))
+    if (const auto mount = mount_from_road(dataset.pairs, first.camera, request, dataset.notes))
       wanted = with_mount(wanted, *mount);
   }
-  dataset.load = [folder, wanted, camera_of, pairs = dataset.pairs](std::size_t i) {
+  dataset.load = [folder, wanted, calibration_of, pairs = dataset.pairs](std::size_t i) {
     const std::string name = stem_of(pairs[i].left);
     TruthFrame frame{load_images(pairs[i]), {}, {}};
-    frame.camera = camera_of(name, frame.images, wanted);
+    frame.camera = calibration_of(name, frame.images, wanted).camera;
     frame.truth = read_kitti_object(folder, name, frame.camera);
     return frame;
   };
@@ -108,27 +117,30 @@ Dataset open_kitti_stereo(const fs::path& folder, const DatasetRequest& request)
   for (const auto& name : names)
     dataset.pairs.push_back(
         {(folder / "image_0" / (name + ".png")).string(), (folder / "image_1" / (name + ".png")).string()});
-  const auto camera_of = [folder, file = request.calib](const GrayPair& images, CalibrationRequest wanted) {
+  const auto calib_of = [folder, file = request.calib](const GrayPair& images) {
+    const auto [width_px, height_px] = std::pair(images.left.width_px, images.left.height_px);
+    return file.empty() ? (folder / fmt::format("calib_{}x{}.yaml", width_px, height_px)).string() : file;
+  };
+  const auto calibration_of = [calib_of](const GrayPair& images, CalibrationRequest wanted) {
     wanted.width_px = images.left.width_px;
     wanted.height_px = images.left.height_px;
-    const std::string calib =
-        file.empty() ? (folder / fmt::format("calib_{}x{}.yaml", wanted.width_px, wanted.height_px)).string() : file;
-    const Calibration calibration = load_calibration(calib, wanted);
-    if (calibration.rectifier) refuse_raw(calib);
-    StereoCamera camera = calibration.camera;
-    camera.width_px = wanted.width_px;
-    camera.height_px = wanted.height_px;
-    return camera;
+    Calibration calibration = load_calibration(calib_of(images), wanted);
+    if (calibration.rectifier) refuse_raw(calib_of(images));
+    calibration.camera.width_px = wanted.width_px;
+    calibration.camera.height_px = wanted.height_px;
+    return calibration;
   };
   CalibrationRequest wanted = calibration_request(request);
+  const GrayPair first_images = load_images(dataset.pairs.front());
+  const Calibration first = calibration_of(first_images, wanted);
+  add_notes(first, calib_of(first_images), dataset.notes);
   if (request.find_mount) {
-    const StereoCamera first = camera_of(load_images(dataset.pairs.front()), wanted);
-    if (const auto mount = mount_from_road(dataset.pairs, first, request, dataset.notes))
+    if (const auto mount = mount_from_road(dataset.pairs, first.camera, request, dataset.notes))
       wanted = with_mount(wanted, *mount);
   }
-  dataset.load = [folder, wanted, camera_of, pairs = dataset.pairs](std::size_t i) {
+  dataset.load = [folder, wanted, calibration_of, pairs = dataset.pairs](std::size_t i) {
     TruthFrame frame{load_images(pairs[i]), {}, {}};
-    frame.camera = camera_of(frame.images, wanted);
+    frame.camera = calibration_of(frame.images, wanted).camera;
     frame.truth.frame = static_cast<int>(i);
     frame.truth.name = stem_of(pairs[i].left);
     frame.truth.map = read_disparity_map(folder / "disp_noc" / (frame.truth.name + ".png"), frame.camera);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/eval/dataset_kinds.hpp"
@@ -9,6 +10,7 @@
 #include "flies/eval/foot_truth.hpp"
 #include "flies/eval/scene_truth.hpp"
 #include "flies/io/image_folder.hpp"
+#include "flies/io/pair_matching.hpp"
 
 namespace flies {
 
@@ -57,16 +59,17 @@ std::function<StereoCamera(const std::string&)> camera_of_scenes(const fs::path&
   if (!request.calib.empty() || !fs::is_directory(calibrations))
     return [camera = shared_camera(folder, request, dataset)](const std::string&) { return camera; };
   CalibrationRequest wanted = calibration_request(request);
-  const auto camera_of = [calibrations](const std::string& name, const CalibrationRequest& with) {
+  const auto calibration_of = [calibrations](const std::string& name, const CalibrationRequest& with) {
     const std::string file = (calibrations / (name + ".yaml")).string();
     const Calibration calibration = load_calibration(file, with);
     if (calibration.rectifier) refuse_raw(file);
-    return calibration.camera;
+    return std::pair(calibration, file);
   };
-  const StereoCamera first = camera_of(stem_of(dataset.pairs.front().left), wanted);
-  if (const auto mount = mount_from_road(dataset.pairs, first, request, dataset.notes))
+  const auto [first, first_file] = calibration_of(stem_of(dataset.pairs.front().left), wanted);
+  add_notes(first, first_file, dataset.notes);
+  if (const auto mount = mount_from_road(dataset.pairs, first.camera, request, dataset.notes))
     wanted = with_mount(wanted, *mount);
-  return [camera_of, wanted](const std::string& name) { return camera_of(name, wanted); };
+  return [calibration_of, wanted](const std::string& name) { return calibration_of(name, wanted).first.camera; };
 }
 
 }  // namespace
@@ -74,7 +77,9 @@ std::function<StereoCamera(const std::string&)> camera_of_scenes(const fs::path&
 Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
   refuse_cameras(folder, request);
   Dataset dataset{.kind = TruthKind::scenes};
-  dataset.pairs = find_pairs((folder / "left").string(), (folder / "right").string());
+  auto found = match_all((folder / "left").string(), (folder / "right").string());
+  dataset.pairs = std::move(found.pairs);
+  dataset.notes = std::move(found.notes);
   std::size_t truths = 0;
   for (const auto& entry : fs::directory_iterator(folder / "truth"))
     truths += entry.path().extension() == ".json" && !detail::is_hidden(entry.path());

@@ -1,18 +1,20 @@
 #include "flies/io/pair_matching.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string_view>
 #include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/core/quantile.hpp"
 #include "flies/io/image_folder.hpp"
+#include "flies/io/image_names.hpp"
 
 namespace flies {
 namespace {
@@ -28,32 +30,32 @@ std::string common_name(const std::string& path) {
   return name;
 }
 
-/// Seconds, of a name that is a number with a fraction, or one so long that it counts nanoseconds.
-std::optional<double> time_of(const std::string& path) {
-  const std::string name = fs::path(path).stem().string();
-  constexpr std::size_t kLeastDigits = 10;
-  constexpr double kNanoseconds = 1e-9;
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number, std::chars_format::fixed);
-  if (error != std::errc{} || end != name.data() + name.size()) return std::nullopt;
-  if (name.find('.') != std::string::npos) return number;
-  constexpr std::size_t kSecondsDigits = 10;
-  if (name.size() < kLeastDigits) return std::nullopt;
-  return name.size() == kSecondsDigits ? number : number * kNanoseconds;
+/// What the names of two folders are compared by.
+struct NameKeys {
+  Paths left, right;
+
+  std::size_t common() const {
+    const std::set<std::string> names(right.begin(), right.end());
+    return static_cast<std::size_t>(
+        std::count_if(left.begin(), left.end(), [&](const std::string& name) { return names.contains(name); }));
+  }
+  /// Names speak when most images have a partner by them.
+  bool speak() const {
+    const std::size_t found = common();
+    return found > 0 && 2 * found >= std::min(left.size(), right.size());
+  }
+};
+
+NameKeys whole_names(const Paths& left, const Paths& right) {
+  NameKeys keys;
+  for (const auto& path : left) keys.left.push_back(common_name(path));
+  for (const auto& path : right) keys.right.push_back(common_name(path));
+  return keys;
 }
 
-bool are_times(const Paths& paths) {
-  return std::all_of(paths.begin(), paths.end(), [](const std::string& path) { return time_of(path).has_value(); });
-}
-
-/// How many left names are right ones, too.
-std::size_t common_names(const Paths& left, const Paths& right) {
-  std::vector<std::string> names;
-  for (const auto& path : right) names.push_back(common_name(path));
-  std::sort(names.begin(), names.end());
-  return static_cast<std::size_t>(std::count_if(left.begin(), left.end(), [&](const std::string& path) {
-    return std::binary_search(names.begin(), names.end(), common_name(path));
-  }));
+NameKeys bare_names(const Paths& left, const Paths& right) {
+  auto [left_names, right_names] = names_without_side(left, right);
+  return {std::move(left_names), std::move(right_names)};
 }
 
 /// Pairs left images with those that `partner` names, which takes no right image twice.
@@ -78,24 +80,37 @@ MatchedPairs matched(const Paths& left, const Paths& right, Partner partner) {
   return found;
 }
 
-MatchedPairs match_names(const Paths& left, const Paths& right) {
+MatchedPairs match_names(const Paths& left, const Paths& right, const NameKeys& keys) {
   std::map<std::string, std::size_t> by_name;
-  for (std::size_t k = 0; k < right.size(); ++k) by_name.emplace(common_name(right[k]), k);
+  for (std::size_t k = 0; k < right.size(); ++k) by_name.emplace(keys.right[k], k);
   return matched(left, right, [&](std::size_t i) -> std::optional<std::size_t> {
-    const auto at = by_name.find(common_name(left[i]));
+    const auto at = by_name.find(keys.left[i]);
     return at == by_name.end() ? std::nullopt : std::optional(at->second);
   });
 }
 
-std::vector<double> times_of(const Paths& paths) {
+/// Images with their times, in order of time.
+struct TimedPaths {
+  Paths paths;
   std::vector<double> times_s;
-  for (const auto& path : paths) {
-    const auto time_s = time_of(path);
-    if (!time_s)
-      throw InputError(path, "name", "is no time, expected seconds with a fraction (1698765432.1039) or nanoseconds");
-    times_s.push_back(*time_s);
+};
+
+TimedPaths in_order_of_time(const Paths& paths) {
+  const auto times_s = times_in_names(paths);
+  if (!times_s) {
+    const auto odd = std::find_if(paths.begin(), paths.end(), [](const auto& path) { return !times_in_names({path}); });
+    throw InputError(odd == paths.end() ? paths.front() : *odd, "name",
+                     "is no time, expected seconds with a fraction (1698765432.1039), nanoseconds, or date and time");
   }
-  return times_s;
+  std::vector<std::pair<double, std::string>> timed;
+  for (std::size_t i = 0; i < paths.size(); ++i) timed.emplace_back((*times_s)[i], paths[i]);
+  std::sort(timed.begin(), timed.end());
+  TimedPaths found;
+  for (auto& [time_s, path] : timed) {
+    found.times_s.push_back(time_s);
+    found.paths.push_back(std::move(path));
+  }
+  return found;
 }
 
 std::size_t nearest(const std::vector<double>& times_s, double time_s) {
@@ -113,16 +128,13 @@ double patience_s(std::vector<double> times_s) {
 }
 
 /// Two images are a pair when each is the nearest to the other.
-MatchedPairs match_times(Paths left, Paths right) {
-  const auto by_time = [](const std::string& a, const std::string& b) { return time_of(a) < time_of(b); };
-  times_of(left), times_of(right);  // all must have one
-  std::sort(left.begin(), left.end(), by_time);
-  std::sort(right.begin(), right.end(), by_time);
-  const auto left_s = times_of(left), right_s = times_of(right);
-  const double most_s = patience_s(left_s);
-  return matched(left, right, [&](std::size_t i) -> std::optional<std::size_t> {
-    const std::size_t k = nearest(right_s, left_s[i]);
-    if (nearest(left_s, right_s[k]) != i || std::abs(right_s[k] - left_s[i]) > most_s) return std::nullopt;
+MatchedPairs match_times(const Paths& left, const Paths& right) {
+  const TimedPaths lefts = in_order_of_time(left), rights = in_order_of_time(right);
+  const double most_s = patience_s(lefts.times_s);
+  return matched(lefts.paths, rights.paths, [&](std::size_t i) -> std::optional<std::size_t> {
+    const std::size_t k = nearest(rights.times_s, lefts.times_s[i]);
+    if (nearest(lefts.times_s, rights.times_s[k]) != i || std::abs(rights.times_s[k] - lefts.times_s[i]) > most_s)
+      return std::nullopt;
     return k;
   });
 }
@@ -135,11 +147,41 @@ MatchedPairs match_order(const Paths& left, const Paths& right, const std::strin
   return matched(left, right, [](std::size_t i) { return std::optional(i); });
 }
 
-/// Names speak when most images have a partner by them.
-PairBy what_speaks(const Paths& left, const Paths& right) {
-  const std::size_t common = common_names(left, right);
-  if (common > 0 && 2 * common >= std::min(left.size(), right.size())) return PairBy::name;
-  return are_times(left) && are_times(right) ? PairBy::time : PairBy::order;
+/// Names with numbers that differ within pairs that were made in order.
+std::optional<std::string> note_on_order(const Paths& left, const Paths& right) {
+  const auto has_number = [](const std::string& name) { return name.find_first_of("0123456789") != std::string::npos; };
+  const NameKeys keys = bare_names(left, right);
+  constexpr std::size_t kExamples = 3;
+  std::vector<std::string> examples;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    if (keys.left[i] == keys.right[i] || !(has_number(keys.left[i]) || has_number(keys.right[i]))) continue;
+    if (++count <= kExamples)
+      examples.push_back(
+          fmt::format("{} with {}", fs::path(left[i]).filename().string(), fs::path(right[i]).filename().string()));
+  }
+  if (count == 0) return std::nullopt;
+  return fmt::format(
+      "images are paired in order though the numbers in {} of {} pairs of names differ ({}): a lost image shifts all "
+      "that follow",
+      count, left.size(), fmt::join(examples, ", "));
+}
+
+MatchedPairs match_images(const Paths& left, const Paths& right, PairBy by, const std::string& left_folder,
+                          const std::string& right_folder) {
+  const bool is_automatic = by == PairBy::automatic;
+  if (is_automatic || by == PairBy::name) {
+    const NameKeys whole = whole_names(left, right), bare = bare_names(left, right);
+    if (whole.speak()) return match_names(left, right, whole);
+    if (is_automatic && times_in_names(left) && times_in_names(right)) return match_times(left, right);
+    if (bare.speak()) return match_names(left, right, bare);
+    if (!is_automatic) return match_names(left, right, bare.common() > whole.common() ? bare : whole);
+  }
+  if (by == PairBy::time) return match_times(left, right);
+  auto found = match_order(left, right, left_folder, right_folder);
+  if (!is_automatic) return found;
+  if (auto note = note_on_order(left, right)) found.notes.push_back(std::move(*note));
+  return found;
 }
 
 }  // namespace
@@ -158,16 +200,22 @@ MatchedPairs match_pairs(const std::string& left, const std::string& right, Pair
     throw InputError(right, "",
                      left_is_folder ? fmt::format("is a file, expected a folder as {} is one", left)
                                     : fmt::format("is a folder, expected a file as {} is one", left));
-  if (!left_is_folder) return {{{left, right}}, {}, 0};
+  if (!left_is_folder) return {{{left, right}}, {}, 0, {}};
   const auto left_images = detail::images_of(left), right_images = detail::images_of(right);
-  if (by == PairBy::automatic) by = what_speaks(left_images, right_images);
-  auto found = by == PairBy::name   ? match_names(left_images, right_images)
-               : by == PairBy::time ? match_times(left_images, right_images)
-                                    : match_order(left_images, right_images, left, right);
+  auto found = match_images(left_images, right_images, by, left, right);
   if (found.pairs.empty())
     throw InputError(right, "",
                      fmt::format("holds no partner of any image in {}; --pair-by order takes them in order", left));
   return found;
+}
+
+MatchedPairs match_all(const std::string& left, const std::string& right) {
+  auto found = match_pairs(left, right, PairBy::automatic);
+  if (found.odd.empty()) return found;
+  throw InputError(
+      right, "",
+      fmt::format("holds {} images, expected {} as in {}: no partner has {}", found.pairs.size() + found.odd_right,
+                  found.pairs.size() + found.odd.size() - found.odd_right, left, fmt::join(found.odd, ", ")));
 }
 
 }  // namespace flies

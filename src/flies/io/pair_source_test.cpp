@@ -1,5 +1,6 @@
 #include "flies/io/pair_source.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -108,6 +109,47 @@ TEST(MatchPairs, StampsWithoutTrailingZerosCompareAsNumbers) {
   EXPECT_THAT(names_of(found), ElementsAre("1698.103911.png 1698.104031.png", "1698.204211.png 1698.20433.png",
                                            "1698.304511.png 1698.3046.png"));
   EXPECT_THAT(found.odd, ElementsAre(HasSubstr("1698.404931.png")));
+}
+
+/// Left loses its fourth image, right its ninth, so that their counts are equal.
+struct LostOnBothSides {
+  const char* left;  ///< name of an image; {} is its number
+  const char* right;
+};
+
+TEST(MatchPairs, WhateverTellsTheSidesApartALostFrameOnEachDoesNotShift) {
+  for (const auto& [left, right] :
+       std::vector<LostOnBothSides>{{"{:04}_L", "{:04}_R"},
+                                    {"L{:04}", "R{:04}"},
+                                    {"img_{:04}_0", "img_{:04}_1"},
+                                    {"cam2_{:04}", "cam3_{:04}"},
+                                    {"c0_{:04}", "c1_{:04}"},
+                                    {"frame_{:04}_cam_0", "frame_{:04}_cam_1"},
+                                    {"frame_{:04}", "{:04}_right"},
+                                    {"left_16987654{:02}.000", "right_16987654{:02}.004"},
+                                    {"2024-05-01T10-00-{:02}.100", "2024-05-01T10-00-{:02}.104"},
+                                    {"1698765432_{}00000000", "1698765432_{}03000000"}}) {
+    const Folders folders;
+    for (int i = 0; i < 10; ++i) {
+      if (i != 3) folders.root.write("left/" + fmt::format(fmt::runtime(left), i) + ".png", "");
+      if (i != 8) folders.root.write("right/" + fmt::format(fmt::runtime(right), i) + ".png", "");
+    }
+    const auto found = match_pairs(folders.left(), folders.right(), PairBy::automatic);
+    ASSERT_EQ(found.pairs.size(), 8U) << left;
+    EXPECT_EQ(found.odd.size(), 2U) << left;
+    EXPECT_THAT(found.pairs[3].left, HasSubstr(fmt::format(fmt::runtime(left), 4)));
+    EXPECT_THAT(found.pairs[3].right, HasSubstr(fmt::format(fmt::runtime(right), 4)));
+  }
+}
+
+TEST(MatchPairs, TellsWhenNumbersDifferInPairsThatAreTakenInOrder) {
+  const Folders folders;
+  folders.add("000.png", "500.png");
+  folders.add("001.png", "501.png");
+  const auto found = match_pairs(folders.left(), folders.right(), PairBy::automatic);
+  EXPECT_EQ(found.pairs.size(), 2U);
+  EXPECT_THAT(found.notes, ElementsAre(AllOf(HasSubstr("in order"), HasSubstr("000.png with 500.png"))));
+  EXPECT_TRUE(match_pairs(folders.left(), folders.right(), PairBy::order).notes.empty());
 }
 
 TEST(MatchPairs, RefusesNamesThatAreNoTimesOrHaveNoPartner) {

@@ -1,0 +1,58 @@
+#include "flies/io/image_names.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace flies {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::Optional;
+
+constexpr double kSmallest_s = 1e-6;  // of a double that counts seconds since 1970
+
+TEST(TimesInNames, AreReadInTheFormsThatAreFound) {
+  const std::vector<std::vector<std::string>> folders = {
+      {"1698765432.500.png", "1698765433.000.png"},
+      {"left_1698765432.5.png", "left_1698765433.png"},
+      {"cam0_1698765432_500000000.png", "cam0_1698765433_000000000.png"},
+      {"1698765432_500000.png", "1698765433_000000.png"},
+      {"1698765432500.png", "1698765433000.png"},
+      {"1698765432500000.png", "1698765433000000.png"},
+      {"1698765432500000000.png", "1698765433000000000.png"},
+      {"2023-10-31T15-17-12.500.png", "2023-10-31T15-17-13.000.png"},
+      {"20231031_151712_500_left.png", "20231031_151713_000_left.png"},
+      {"a/2023-10-31 15:17:12.5.png", "a/2023-10-31 15:17:13.0.png"}};
+  for (const auto& folder : folders) {
+    const auto times_s = times_in_names(folder);
+    ASSERT_TRUE(times_s) << folder[0];
+    EXPECT_NEAR((*times_s)[0], 1698765432.5, kSmallest_s) << folder[0];
+    EXPECT_NEAR((*times_s)[1], 1698765433.0, kSmallest_s) << folder[1];
+  }
+  const auto unpadded = times_in_names({"1698765432_3000000.png", "1698765432_103000000.png"});
+  ASSERT_TRUE(unpadded);
+  EXPECT_NEAR((*unpadded)[1] - (*unpadded)[0], 0.1, kSmallest_s);
+}
+
+TEST(TimesInNames, AreNoCountersAndNoWords) {
+  for (const char* name : {"0000000012.png", "img_0001_0.png", "20240501.png", "left.png", "2024-13-01T10-00-00.png"})
+    EXPECT_FALSE(times_in_names({name})) << name;
+}
+
+TEST(NumbersInNames, AreTheLastThatVary) {
+  EXPECT_THAT(numbers_in_names({"a/0000000011.png", "a/0000000013.png"}), Optional(ElementsAre(11, 13)));
+  EXPECT_THAT(numbers_in_names({"cam2_9_0.png", "cam2_10_0.png"}), Optional(ElementsAre(9, 10)));
+  EXPECT_FALSE(numbers_in_names({"a.png", "b.png"}));
+  EXPECT_FALSE(numbers_in_names({"2.png", "1.png"}));
+}
+
+TEST(NamesWithoutSide, KeepWhatTellsImagesApart) {
+  const auto [left, right] = names_without_side({"0001_L.png"}, {"0002_R.png"});
+  EXPECT_THAT(left, ElementsAre("0001_L"));  // without the number nothing would be left
+  const auto [a, b] = names_without_side({"x/run1_008.png", "x/run1_9.png"}, {"run2_0008.png", "run2_0010.png"});
+  EXPECT_EQ(a[0], b[0]);
+  EXPECT_NE(a[1], b[1]);
+}
+
+}  // namespace
+}  // namespace flies
