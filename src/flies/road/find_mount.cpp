@@ -205,6 +205,7 @@ double road_share(std::span<const RectifiedPair> pairs, const StereoCamera& came
 }  // namespace
 
 MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera& camera) {
+  check_camera(camera, "camera");
   MountFinding finding{.told = camera.mount, .mount = camera.mount};
   std::vector<RectifiedPair> pairs;
   for (const auto& pair : given) pairs.push_back(detail::usable_pair(pair));
