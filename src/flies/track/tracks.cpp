@@ -114,7 +114,7 @@ GroundPosition TrackKeeper::measured(const Sighting& s) const {
 }
 
 bool TrackKeeper::is_in_view(const GroundState& state) const {
-  if (!(state.x_m > kMinDepth_m)) return false;
+  if (!(state.x_m > kMinDepth_m) || !std::isfinite(state.y_m)) return false;
   if (camera_.width_px == 0) return true;
   const double u_px = camera_.cx_px - camera_.fx_px * state.y_m / state.x_m;
   return u_px >= 0.0 && u_px < camera_.width_px;

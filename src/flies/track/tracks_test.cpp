@@ -357,6 +357,14 @@ TEST(TrackKeeper, PassesOverSightingsThatAreNoNumbers) {
   EXPECT_NEAR(tracks[0].state.x_m, 10, 0.1);
 }
 
+TEST(TrackKeeper, EndsTracksThatAMotionWithoutNumbersMoves) {
+  StereoCamera any_size = camera();
+  any_size.width_px = any_size.height_px = 0;
+  TrackKeeper keeper(any_size);
+  keeper.step({}, std::vector{at(10, 1), at(12, -1)});
+  EXPECT_TRUE(keeper.step(given_ego_motion(kDt_s, 0.0, std::numeric_limits<double>::quiet_NaN(), 0.0), {}).empty());
+}
+
 TEST(TrackKeeper, RefusesOptionsOutOfRange) {
   TrackOptions options;
   options.gate = 0.0;
