@@ -118,15 +118,24 @@ Texts parse_about(const std::vector<std::string>& entries) {
     const auto equals = entry.find('=');
     if (equals == 0 || equals == std::string::npos)
       throw flies::InputError("command line", "--about", fmt::format("found '{}', expected KEY=TEXT", entry));
+    flies::check_model_text(entry, "command line", "--about");
     texts.emplace_back(entry.substr(0, equals), entry.substr(equals + 1));
   }
   return texts;
 }
 
-void describe(const TrainArguments& arguments, const flies::TrainOptions& options, const flies::TrainingData& data,
+/// The name that the model gets; what its file cannot hold is told before the work.
+std::string model_name(const TrainArguments& arguments) {
+  const bool is_given = !arguments.name.empty();
+  const std::string name = is_given ? arguments.name : std::filesystem::path(arguments.out).stem().string();
+  flies::check_model_text(name, "command line", is_given ? "--name" : "--out");
+  return name;
+}
+
+void describe(const std::string& name, const flies::TrainOptions& options, const flies::TrainingData& data,
               const Texts& about, flies::TrainingResult& result) {
   flies::PeopleModel& model = result.model;
-  model.name = arguments.name.empty() ? std::filesystem::path(arguments.out).stem().string() : arguments.name;
+  model.name = name;
   model.about = {{"program", "flies train " FLIES_VERSION},
                  {"pictures", fmt::format("{} with people, {} without", data.people.size(), data.background.size())},
                  {"person_share", fmt::format("{:g}", options.positives.person_share)},
@@ -151,6 +160,7 @@ std::string command_line(const TrainArguments& arguments) {
 void run_train(const TrainArguments& arguments) {
   const flies::TrainOptions options = options_of(arguments);
   const Texts about = parse_about(arguments.about);
+  const std::string name = model_name(arguments);
   if (arguments.report == arguments.out)
     throw flies::InputError("command line", "--report",
                             fmt::format("found '{}', which --out names as well", arguments.report));
@@ -169,7 +179,7 @@ void run_train(const TrainArguments& arguments) {
       data, options, checkpoint, [&](auto chapter, auto done, auto total) { progress->show(chapter, done, total); });
   progress.reset();
 
-  describe(arguments, options, data, about, result);
+  describe(name, options, data, about, result);
   out.write(flies::people_model_text(result.model));
   if (report)
     report->write(flies::training_report_html(

@@ -91,7 +91,9 @@ void take_first_look(PeopleModel& model, const NetworkArguments& arguments) {
   model.hog = first.hog;
   model.linear = first.linear;
   model.linear.reject_below = arguments.judging.reject_below;
-  model.name = arguments.name.empty() ? std::filesystem::path(arguments.out).stem().string() : arguments.name;
+  const bool is_named = !arguments.name.empty();
+  model.name = is_named ? arguments.name : std::filesystem::path(arguments.out).stem().string();
+  check_model_text(model.name, "command line", is_named ? "--name" : "--out");
 }
 
 /// The share of people missed by the shipped models and by this one; this one's probabilities are those of the file.

@@ -215,6 +215,13 @@ TEST(Config, FeedsBackToItself) {
   EXPECT_EQ(second.out, first.out);
 }
 
+TEST(Config, WritesTheNameOfAModelThatIsNotUtf8) {
+  const TestFolder folder;
+  const RunResult result = run_flies(folder.path(), {"config", "--model", "M\xFCller.json"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("people_model: \"M\xEF\xBF\xBDller.json\""));
+}
+
 TEST(Config, PaperMeansTheSameWrittenAndRead) {
   const TestFolder folder;
   write_street(folder.path());

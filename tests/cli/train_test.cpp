@@ -80,6 +80,9 @@ TEST_F(Train, NamesAFaultAndLeavesNothingBehind) {
       {{"--out", "m.json", "--report", "m.json"}, "which --out names as well"},
       {{"--out", "m.json", "--negatives", "nowhere"}, "nowhere: no such folder"},
       {{"--out", "m.json", "--about", "licence"}, "--about: found 'licence', expected KEY=TEXT"},
+      {{"--out", "m.json", "--about", "licence=\xA9"}, "--about: is not UTF-8"},
+      {{"--out", "m.json", "--name", "M\xFCller"}, "--name: is not UTF-8"},
+      {{"--out", "M\xFCller.json"}, "--out: is not UTF-8"},
       {{"--out", "m.json", "--stereo-negatives", "street"}, "street"},
   };
   for (const auto& wrong : cases) {

@@ -122,7 +122,7 @@ std::string json_text(const BenchResult& result, const BenchInput& input, int ru
     json["others"].push_back({{"name", other.name}, {"frame_ms", json_of(other.frame)}});
   for (const auto& growth : result.by_flies) json["by_flies"].push_back(json_of(growth));
   for (const auto& growth : result.by_pixels) json["by_pixels"].push_back(json_of(growth));
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string row(const std::string& name, const Times& times) {

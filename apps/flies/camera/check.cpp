@@ -105,7 +105,7 @@ std::string json(const Checked& checked) {
     object["row_roll_rad"] = d.rows->slope;
     object["row_scatter_px"] = d.rows->scatter_px;
   }
-  return object.dump(2) + "\n";
+  return object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ std::shared_ptr<const flies::PeopleClassifier> classifier_of(const MethodArgumen
 
 std::string options_file_text(const flies::DetectorOptions& options, const std::string& people_model) {
   return fmt::format("{}: {}  # a name that `flies info` lists or a file (--model)\n", kPeopleModel,
-                     nlohmann::json(people_model).dump()) +
+                     nlohmann::json(people_model).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) +
          flies::options_yaml(flies::list_options(options));
 }
 

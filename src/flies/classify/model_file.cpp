@@ -137,6 +137,14 @@ PeopleModel parse(std::string_view text, const std::string& source, bool is_chec
 
 }  // namespace
 
+void check_model_text(const std::string& text, const std::string& source, const std::string& field) {
+  try {
+    static_cast<void>(ModelJson(text).dump());
+  } catch (const ModelJson::exception&) {
+    throw InputError(source, field, "is not UTF-8, which the texts of a model file are");
+  }
+}
+
 PeopleModel parse_people_model(std::string_view text, const std::string& source) { return parse(text, source, true); }
 
 PeopleModel parse_embedded_model(std::string_view text, const std::string& source) {
@@ -147,6 +155,11 @@ PeopleModel shipped_people_model() { return parse_embedded_model(shipped_network
 
 std::string people_model_text(const PeopleModel& model) {
   check_people_model(model, model.name);
+  check_model_text(model.name, "people model", "name");
+  for (const auto& [key, text] : model.about) {
+    check_model_text(key, "people model", "about");
+    check_model_text(text, "people model", "about." + key);
+  }
   ModelJson hog = ModelJson::object(), about = ModelJson::object();
   for_each_field(model.hog, [&](const char* key, const auto& field) { hog[key] = field; });
   for (const auto& [key, text] : model.about) about[key] = text;

@@ -30,7 +30,11 @@ PeopleModel parse_embedded_model(std::string_view text, const std::string& sourc
 /// @throws InputError naming the file when it cannot be written, or a field of the model that is inconsistent
 void write_people_model(const std::string& path, const PeopleModel& model);
 
-/// The text of a model file.
+/// Checks that a model file can hold the text as its name or about it.
+/// @throws InputError naming source and field when it is not UTF-8
+void check_model_text(const std::string& text, const std::string& source, const std::string& field);
+
+/// The text of a model file. @throws InputError as `write_people_model`
 std::string people_model_text(const PeopleModel& model);
 
 /// Rounds all numbers to what fits 16 bits (IEEE 754 binary16), which the file then stores in half the space.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "flies/classify/named_models.hpp"
@@ -282,6 +283,22 @@ TEST(PeopleModelText, RefusesModelsThatAreInconsistent) {
               HasSubstr("kernel.support_vectors"));
   EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->coefficients.pop_back(); }), HasSubstr("kernel.coefficients"));
   EXPECT_THAT(complaint([](PeopleModel& m) { m.kernel->gamma = -1; }), HasSubstr("kernel.gamma"));
+}
+
+TEST(PeopleModelText, RefusesTextsThatAreNotUtf8) {
+  const auto complaint = [](const std::function<void(PeopleModel&)>& spoil) {
+    PeopleModel model = tiny_model();
+    spoil(model);
+    try {
+      people_model_text(model);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.name = "M\xFCller"; }), HasSubstr("name: is not UTF-8"));
+  EXPECT_THAT(complaint([](PeopleModel& m) { m.about = {{"licence", "\xA9"}}; }), HasSubstr("about.licence: is not"));
+  EXPECT_EQ(complaint([](PeopleModel& m) { m.name = "M\xC3\xBCller"; }), "no error");
 }
 
 TEST(Base64, IsThatOfRfc4648) {

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
+
+#include "flies/concentrate/board_box.hpp"
 
 namespace flies {
 namespace {
@@ -23,26 +24,6 @@ bool is_supported(const Part& part, std::size_t population, const AssembleOption
          covered_m >= options.min_extent_m;
 }
 
-/// The box around the corners from the road to the top, at the near face: a camera that leans shows them askew.
-ImageBox project_box(const Extent& extent, const Projection& projection, const RoadPlane& road) {
-  constexpr double kLeastDepth_m = 1e-3;  // of a corner that the tilt puts behind the camera
-  double left_px = std::numeric_limits<double>::max(), top_px = left_px, right_px = -left_px, bottom_px = -left_px;
-  for (const double azimuth_rad : {extent.left_rad, extent.right_rad}) {
-    const double x = extent.near_m * std::cos(azimuth_rad), y = extent.near_m * std::sin(azimuth_rad);
-    for (const double height_m : {0.0, extent.top_m}) {
-      Point3 corner{x, y, road.z_m(x, y) + height_m};
-      if (const double depth_m = projection.depth_m(corner); depth_m < kLeastDepth_m)
-        corner.x_m += 2.0 * (kLeastDepth_m - depth_m);  // the optical axis is within 45 degrees of x in both tilts
-      const auto image = projection.project(corner);
-      left_px = std::min(left_px, image.u_px);
-      right_px = std::max(right_px, image.u_px);
-      top_px = std::min(top_px, image.v_px);
-      bottom_px = std::max(bottom_px, image.v_px);
-    }
-  }
-  return {left_px, top_px, right_px - left_px, bottom_px - top_px};
-}
-
 GroundPoint position(const Part& part, ObstaclePosition wanted) {
   if (wanted == ObstaclePosition::candidate) return part.candidate.ground;
   const double azimuth_rad = part.extent.azimuth_rad();
@@ -60,7 +41,8 @@ Obstacle make_obstacle(const Part& part, std::size_t population, const Projectio
   obstacle.height_m = part.extent.top_m;
   obstacle.ground_z_m = road.z_m(x_m, y_m);
   obstacle.score = score(part, population);
-  obstacle.box = project_box(part.extent, projection, road);
+  const Extent& extent = part.extent;
+  obstacle.box = board_box({extent.near_m, extent.right_rad, extent.left_rad, extent.top_m}, projection, road);
   return obstacle;
 }
 

@@ -5,6 +5,8 @@
 #include <initializer_list>
 #include <limits>
 
+#include "flies/concentrate/board_box.hpp"
+
 namespace flies {
 namespace {
 
@@ -169,22 +171,6 @@ std::vector<Thing> unclaimed(const std::vector<Thing>& things, const Surfaces& s
   return found;
 }
 
-/// Around the four corners of an upright board at a range, between two bearings and from the road up to a height.
-ImageBox board_box(const Thing& thing, const Projection& projection, const RoadPlane& road) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  double left = kFar, right = -kFar, top = kFar, bottom = -kFar;
-  for (const double angle_rad : {thing.right_rad, thing.left_rad})
-    for (const double height_m : {0.0, thing.obstacle.height_m}) {
-      const double x_m = thing.near_m * std::cos(angle_rad), y_m = thing.near_m * std::sin(angle_rad);
-      const auto corner = projection.project({x_m, y_m, road.z_m(x_m, y_m) + height_m});
-      left = std::min(left, corner.u_px);
-      right = std::max(right, corner.u_px);
-      top = std::min(top, corner.v_px);
-      bottom = std::max(bottom, corner.v_px);
-    }
-  return {left, top, right - left, bottom - top};
-}
-
 /// How far the surface of a thing reaches behind its nearest point, along the line of sight to its middle, metres.
 double depth_m(const Thing& thing, const Surfaces& surfaces, double middle_rad) {
   if (thing.first < 0) return 0.0;
@@ -208,7 +194,7 @@ Obstacle finish(const Thing& thing, const Surfaces& surfaces, const Projection& 
   obstacle.middle_offset_m = thing.near_m * (middle_rad - thing.near_rad);
   obstacle.depth_m = depth_m(thing, surfaces, middle_rad);
   obstacle.ground_z_m = road.z_m(obstacle.x_m, obstacle.y_m);
-  obstacle.box = board_box(thing, projection, road);
+  obstacle.box = board_box({thing.near_m, thing.right_rad, thing.left_rad, obstacle.height_m}, projection, road);
   return obstacle;
 }
 
@@ -217,6 +203,7 @@ Obstacle finish(const Thing& thing, const Surfaces& surfaces, const Projection& 
 std::vector<Obstacle> whole_obstacles(std::span<const Obstacle> obstacles, const Scan& scan,
                                       const Projection& projection, const RoadPlane& road,
                                       const WholeOptions& options) {
+  check_options(options, "whole options");
   if (!options.enable || scan.empty()) return {obstacles.begin(), obstacles.end()};
   const Surfaces surfaces(scan, options);
   std::vector<Thing> things;

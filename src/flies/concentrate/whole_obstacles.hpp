@@ -46,6 +46,7 @@ struct WholeOptions {
 /// @param obstacles  from the flies
 /// @param scan       of the same pair; empty: the obstacles are returned as they are
 /// @returns nearest first
+/// @throws InputError naming an option out of its range
 std::vector<Obstacle> whole_obstacles(std::span<const Obstacle> obstacles, const Scan& scan,
                                       const Projection& projection, const RoadPlane& road, const WholeOptions& options);
 

@@ -135,5 +135,25 @@ TEST(WholeObstacles, WithoutAScanAreAsTheyWere) {
   EXPECT_EQ(whole[0].width_m, 0.5);
 }
 
+TEST(WholeObstacles, HaveFiniteBoxesBeforeACameraThatLooksDown) {
+  StereoCamera camera;
+  camera.fx_px = camera.fy_px = 700;
+  camera.cx_px = camera.cx_right_px = 600;
+  camera.cy_px = 180;
+  camera.baseline_m = 0.5;
+  camera.mount.height_m = 1.0;
+  camera.mount.pitch_rad = radians(40.0);
+  const Projection tilted(camera);
+  Scan scan = open_scan();
+  put(scan, 1.0, -0.1, 0.1);
+  // As tall as the camera sees nobody: his head is behind the plane of the image.
+  const auto whole = whole_obstacles(std::vector{obstacle_at(1.0, 0.0, 0.3, 3.0)}, scan, tilted, {}, {});
+  ASSERT_EQ(whole.size(), 1U);
+  const ImageBox& box = whole[0].box;
+  EXPECT_TRUE(std::isfinite(box.v_px) && std::isfinite(box.height_px));
+  EXPECT_LT(box.v_px, 0.0) << "the head is above the image, not mirrored below the feet";
+  EXPECT_GT(box.v_px + box.height_px, 180.0);
+}
+
 }  // namespace
 }  // namespace flies

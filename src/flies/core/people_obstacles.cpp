@@ -25,7 +25,7 @@ std::vector<std::optional<std::size_t>> obstacles_of_people(std::span<const Obst
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
       const GroundPoint middle = middle_of(obstacles[i]);
       const double gap_m = std::hypot(middle.x_m - people[k].x_m, middle.y_m - people[k].y_m);
-      if (is_taken[i] || gap_m >= nearest_m) continue;
+      if (is_taken[i] || !(gap_m < nearest_m)) continue;  // a gap that is no number is none
       nearest_m = gap_m;
       own[k] = i;
     }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace flies {
 namespace {
@@ -39,6 +40,13 @@ TEST(ObstaclesOfPeople, LooksFromTheMiddleOfAWideOne) {
   EXPECT_THAT(obstacles_of_people(std::vector{wide}, std::vector{person_at(10, 0)}), ElementsAre(std::nullopt));
   EXPECT_THAT(obstacles_of_people(std::vector{wide}, std::vector{person_at(10, 2)}), ElementsAre(Optional(0U)));
   EXPECT_NEAR(middle_of(wide).y_m, 2.0, 0.05);
+}
+
+TEST(ObstaclesOfPeople, APlaceThatIsNoNumberIsNobodys) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<Obstacle> obstacles = {obstacle_at(kNan, 0), obstacle_at(10, 0)};
+  EXPECT_THAT(obstacles_of_people(obstacles, std::vector{person_at(10, 0), person_at(kNan, 0)}),
+              ElementsAre(Optional(1U), std::nullopt));
 }
 
 }  // namespace

@@ -225,6 +225,14 @@ void EgoEstimator::check(const RectifiedPair& given, double time_s) const {
                      fmt::format("found {} after {}, expected times that advance", time_s, memory_->time_s));
 }
 
+void EgoEstimator::skip(const RectifiedPair& pair, double time_s) {
+  check(pair, time_s);
+  memory_->before = {};
+  memory_->motion = {};
+  memory_->time_s = time_s;
+  ++memory_->frame;
+}
+
 EgoMotion EgoEstimator::follow(const RectifiedPair& given, double time_s) {
   check(given, time_s);
   const RectifiedPair pair = detail::usable_pair(given);

@@ -83,6 +83,11 @@ class EgoEstimator {
   /// @throws InputError when the images are empty, differ in size or do not fit the camera, or time does not advance
   EgoMotion follow(const RectifiedPair& pair, double time_s);
 
+  /// Passes over a pair whose motion another sensor knows: the pair after it has nothing to be compared with, so that
+  /// its motion is unknown, and not that since the last pair that was followed.
+  /// @throws InputError as `follow`
+  void skip(const RectifiedPair& pair, double time_s);
+
   /// Throws what `follow` would throw, and does no more.
   void check(const RectifiedPair& pair, double time_s) const;
 

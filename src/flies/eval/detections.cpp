@@ -93,7 +93,8 @@ std::vector<double> numbers_of(const json& scan, const char* key, std::size_t co
   for (const auto& entry : *found) {
     if (!entry.is_null() && !(entry.is_number() && std::isfinite(entry.get<double>()) && entry.get<double>() >= 0.0))
       place.fail(fmt::format("{}[{}]", key, numbers.size()),
-                 fmt::format("found {}, expected a number from 0 or null", entry.dump()));
+                 fmt::format("found {}, expected a number from 0 or null",
+                             entry.is_number() ? fmt::format("{}", entry.get<double>()) : entry.type_name()));
     numbers.push_back(entry.is_null() ? otherwise : entry.get<double>());
   }
   return numbers;

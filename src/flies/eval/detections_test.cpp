@@ -195,6 +195,19 @@ TEST(ParseDetections, RefusesNumbersThatOverflowAndNestingWithoutEnd) {
   EXPECT_THAT(error_with("3", "1e300"), ::testing::HasSubstr("obstacles[0].x_m: found 1e+300"));
 }
 
+TEST(ParseDetections, NamesTheKindOfWhatIsNestedInAScan) {
+  constexpr int kDeep = 1'000'000;
+  const std::string nest = std::string(kDeep, '[') + std::string(kDeep, ']');
+  EXPECT_THAT(
+      [&] {
+        parse_detections(
+            R"({"obstacles":[],"scan":{"angle_min_rad":0,"angle_increment_rad":0.1,"states":"o","ranges_m":[)" + nest +
+                "]}}",
+            "found.jsonl");
+      },
+      ThrowsMessage<InputError>(HasSubstr("found array, expected a number")));
+}
+
 TEST(ParseDetections, BearsMarksBlanksAndComments) {
   const std::string line = R"({"frame": 3, "obstacles": []})";
   EXPECT_EQ(parse_detections("\xEF\xBB\xBF" + line + "\r\n\r\n# more\r\n" + line + "\r\n", "d").size(), 2U);

@@ -46,6 +46,7 @@ PeopleModel hog_model(HogDetector detector) {
 
 PeopleSearch detect_people_by_hog(const GrayView& left, const StereoCamera& camera, HogDetector detector,
                                   double least_probability, const HogOptions& options) {
+  check_options(options, "hog options");
   if (options.stride_px % kBlockStride_px != 0)
     throw InputError("options", "hog.stride_px",
                      fmt::format("found {}, expected a multiple of {}", options.stride_px, kBlockStride_px));

@@ -75,5 +75,12 @@ TEST(DetectPeopleByHog, FindsAPersonOfTheRightHeightWhereItStands) {
   EXPECT_GE(found_right, kPictures * 2 / 3);
 }
 
+TEST(DetectPeopleByHog, ChecksItsOptions) {
+  const cv::Mat image(240, 320, CV_8UC1, cv::Scalar(90));
+  for (const HogOptions& options : {HogOptions{.enlarge = 0.0}, HogOptions{.scale_step = 1.0}})
+    EXPECT_THROW(detect_people_by_hog(view_of(image), camera_of(320, 240), HogDetector::hog_48x96, 1.0, options),
+                 InputError);
+}
+
 }  // namespace
 }  // namespace flies

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -20,6 +23,15 @@ struct Configuration {
   int classes = 0;
 };
 
+/// The number that a text starts with, 0 when it starts with none.
+int whole_number_at(std::string_view text, const std::string& cfg_file, std::string_view key) {
+  int number = 0;
+  if (std::from_chars(text.data(), text.data() + text.size(), number).ec == std::errc::result_out_of_range)
+    throw InputError(cfg_file, std::string(key.substr(0, key.size() - 1)),
+                     fmt::format("found {}, which no network has", text));
+  return number;
+}
+
 Configuration read_configuration(const std::string& cfg_file) {
   Configuration found;
   std::ifstream file(cfg_file);
@@ -27,7 +39,8 @@ Configuration read_configuration(const std::string& cfg_file) {
     std::erase(line, ' ');
     for (auto [key, value] : {std::pair{"width=", &found.width_px}, std::pair{"height=", &found.height_px},
                               std::pair{"classes=", &found.classes}})
-      if (*value == 0 && line.starts_with(key)) *value = std::atoi(line.c_str() + std::string_view(key).size());
+      if (*value == 0 && line.starts_with(key))
+        *value = whole_number_at(std::string_view(line).substr(std::string_view(key).size()), cfg_file, key);
   }
   if (found.width_px <= 0 || found.height_px <= 0)
     throw InputError(cfg_file, "width, height", "are missing, and say which images the network is for");

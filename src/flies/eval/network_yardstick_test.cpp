@@ -123,6 +123,8 @@ TEST(NetworkYardstick, NamesTheFileThatIsMissingOrNoNetwork) {
   EXPECT_THAT(error("alone.weights"), HasSubstr("alone.weights: has 2000 bytes, and the network in"));
   folder.write("alone.cfg", "[net]\nchannels=3\n");
   EXPECT_THAT(error("alone.weights"), HasSubstr("alone.cfg: width, height: are missing"));
+  folder.write("alone.cfg", "[net]\nwidth=99999999999\nheight=32\n");
+  EXPECT_THAT(error("alone.weights"), HasSubstr("alone.cfg: width: found 99999999999"));
   folder.write("alone.cfg", "[net]\nwidth=32\nheight=32\n[nonsense]\n");
   EXPECT_THAT(error("alone.weights"), HasSubstr("alone.weights: OpenCV cannot read this network"));
 }

@@ -1,5 +1,7 @@
 #include "flies/eval/yardstick.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -13,6 +15,7 @@
 #include <utility>
 
 #include "flies/concentrate/concentrate.hpp"
+#include "flies/core/error.hpp"
 #include "flies/core/field.hpp"
 #include "flies/road/road.hpp"
 
@@ -39,7 +42,9 @@ cv::Mat view_of(const GrayView& image) {
 /// Disparities in sixteenths of a pixel, below those of infinity where there are none.
 cv::Mat match(const RectifiedPair& pair, const Projection& projection, DenseMatcher matcher, double near_m) {
   const int least_px = static_cast<int>(std::floor(projection.disparity_offset_px()));
-  const double span_px = projection.disparity_at_depth(near_m) - least_px;
+  if (!(near_m > 0.0)) throw InputError("dense matching", "near_m", fmt::format("found {}, expected above 0", near_m));
+  // No pixel has a match farther away than the image is wide.
+  const double span_px = std::min(projection.disparity_at_depth(near_m) - least_px, 1.0 * pair.left.width_px);
   const int count = kDisparityStep * std::max(1, static_cast<int>(std::ceil(span_px / kDisparityStep)));
   const int mode = matcher == DenseMatcher::sgbm ? cv::StereoSGBM::MODE_SGBM : cv::StereoSGBM::MODE_SGBM_3WAY;
   const auto sgbm = cv::StereoSGBM::create(least_px, count, kBlock_px, kSmallPenalty, kLargePenalty, kLeftRightGap_px,
@@ -133,6 +138,11 @@ std::vector<float> dense_disparity(const RectifiedPair& pair, const StereoCamera
 DenseDetection detect_densely(const RectifiedPair& pair, const StereoCamera& camera, DenseMatcher matcher,
                               const DetectorOptions& options, const DenseOptions& dense, const MatchOptions& standing,
                               double sector_deg) {
+  check_options(dense, "dense options");
+  check_field(options.field, "field options");
+  check_options(standing, "match options");
+  if (!(sector_deg > 0.0))
+    throw InputError("dense detection", "sector_deg", fmt::format("found {}, expected above 0", sector_deg));
   check_pair(pair);
   check_camera_fits(camera, pair.left.width_px, pair.left.height_px, "camera");
   DenseDetection found;

@@ -158,6 +158,15 @@ TEST_P(DetectDensely, RefusesPairsThatDoNotFit) {
   EXPECT_THROW(detect_densely({}, camera(), GetParam(), options), InputError);
 }
 
+TEST_P(DetectDensely, ChecksItsOptions) {
+  EXPECT_THROW(detect_densely(pair.view(), camera(), GetParam(), options, {.step_px = 0}), InputError);
+  EXPECT_THROW(detect_densely(pair.view(), camera(), GetParam(), options, {}, {}, 0.0), InputError);
+  DetectorOptions nowhere = options;
+  nowhere.field.x_min_m = 0.0;
+  EXPECT_THROW(detect_densely(pair.view(), camera(), GetParam(), nowhere), InputError);
+  EXPECT_THROW(dense_disparity(pair.view(), camera(), GetParam(), 0.0), InputError);
+}
+
 INSTANTIATE_TEST_SUITE_P(Matchers, DetectDensely, ::testing::Values(DenseMatcher::sgbm, DenseMatcher::sgbm_3way),
                          [](const auto& row) { return row.param == DenseMatcher::sgbm ? "Sgbm" : "Sgbm3Way"; });
 

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <span>
 
+#include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
 #include "flies/evolve/kernels/scouts.hpp"
 #include "flies/evolve/kernels/spawn.hpp"
@@ -169,11 +170,15 @@ StereoPoint scout(const Habitat& habitat, int scouts, const StereoPoint& fly, Fl
   check_scouts(scouts);
   constexpr int kReach_px = kernels::kRowColumns / 2;
   const auto& [left_image, right_image] = habitat.pair();
-  const auto nearest = [](double coordinate_px) { return static_cast<int>(std::floor(coordinate_px + 0.5)); };
+  const auto nearest = [](double coordinate_px) { return saturated<int>(std::floor(coordinate_px + 0.5)); };
+  // Written so that a coordinate that is no number is outside.
+  const bool is_inside =
+      fly.u_px >= 0.0 && fly.u_px <= left_image.width_px && fly.v_px >= 0.0 && fly.v_px <= left_image.height_px;
+  if (!is_inside) return fly;
   const auto fits = [&](int column) { return column >= 0 && column <= left_image.width_px - kernels::kRowColumns; };
   const int column = nearest(fly.u_px) - kReach_px, row = nearest(fly.v_px);
   // Vectors read some pixels behind a row, so there must be one below.
-  if (!fits(column) || fly.v_px < 0.0 || row + 1 >= left_image.height_px) return fly;
+  if (!fits(column) || row + 1 >= left_image.height_px) return fly;
   const auto [least_q, most_q] = habitat.sight(fly.u_px, fly.v_px);
   if (!(least_q < most_q)) return fly;
 

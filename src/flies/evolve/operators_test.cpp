@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -242,6 +243,14 @@ TEST(Habitat, HoldsWhatIsInTheFieldAndInTheImage) {
   EXPECT_GT(held, 100);
   EXPECT_FALSE(habitat.holds({std::nan(""), 240, 20}));
   EXPECT_FALSE(habitat.holds({320, 240, std::nan("")}));
+}
+
+TEST_F(OperatorsTest, ScoutLeavesAFlyThatIsNowhere) {
+  for (const double nowhere : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                               -std::numeric_limits<double>::infinity(), 1e300, -1e300}) {
+    EXPECT_EQ(scout(habitat(), 4, {nowhere, 240, 10}, draws(0)).disparity_px, 10.0) << nowhere;
+    EXPECT_EQ(scout(habitat(), 4, {320, nowhere, 10}, draws(0)).disparity_px, 10.0) << nowhere;
+  }
 }
 
 }  // namespace

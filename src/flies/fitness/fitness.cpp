@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "flies/core/usable_pair.hpp"
 #include "flies/fitness/kernels/kernel.hpp"
 
 namespace flies {
@@ -175,10 +176,11 @@ float evaluate_one(const StereoPoint& point, const EvaluateMany& evaluate_many) 
 
 }  // namespace
 
-void score_points(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
+void score_points(const RectifiedPair& given, const FitnessOptions& options, std::span<const float> u_px,
                   std::span<const float> v_px, std::span<const float> disparity_px, std::span<float> fitness) {
   using kernels::PatchPlace;
   check_options(options, kOptionsSource);
+  const RectifiedPair pair = detail::usable_pair(given);
   const auto images = patch_images(pair, options);
   const auto& kernel = kernels::chosen_kernel();
   const Correlation correlation(images, options.noise_gray);
@@ -206,9 +208,10 @@ void score_points(const RectifiedPair& pair, const FitnessOptions& options, std:
       });
 }
 
-void correlate_points(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
+void correlate_points(const RectifiedPair& given, const FitnessOptions& options, std::span<const float> u_px,
                       std::span<const float> v_px, std::span<const float> disparity_px, std::span<float> coefficient) {
   check_options(options, kOptionsSource);
+  const RectifiedPair pair = detail::usable_pair(given);
   const auto images = patch_images(pair, options);
   const auto& kernel = kernels::chosen_kernel();
   const Correlation correlation(images, options.noise_gray);
@@ -229,9 +232,11 @@ float correlate_point(const RectifiedPair& pair, const FitnessOptions& options, 
   return evaluate_one(point, [&](auto... spans) { correlate_points(pair, options, spans...); });
 }
 
-void score_flies(const RectifiedPair& pair, const Projection& projection, const FitnessOptions& options,
+void score_flies(const RectifiedPair& given, const Projection& projection, const FitnessOptions& options,
                  const Population& flies, std::size_t first, std::span<float> fitness) {
   assert(first + fitness.size() <= flies.size());
+  check_options(options, kOptionsSource);
+  const RectifiedPair pair = detail::usable_pair(given);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, fitness.size(), kFliesPerTask), [&](const auto& range) {
     // A range can be larger than its grain; the places need a size known here.
     std::array<float, kFliesPerTask> u_px, v_px, disparity_px;

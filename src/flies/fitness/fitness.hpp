@@ -70,7 +70,8 @@ struct FitnessOptions {
 ///                more to the right. All four spans are of equal length.
 /// Left projections are rounded to whole pixels and right ones to the steps of the sampling, halves to even, in single
 /// precision: the same decisions on every CPU.
-/// @throws InputError naming an option out of its range, as does all that follows
+/// @throws InputError naming an option out of its range, or when images are empty or differ in size, as does all that
+///         follows
 void score_points(const RectifiedPair& pair, const FitnessOptions& options, std::span<const float> u_px,
                   std::span<const float> v_px, std::span<const float> disparity_px, std::span<float> fitness);
 

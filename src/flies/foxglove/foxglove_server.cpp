@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -121,6 +122,18 @@ struct FoxgloveServer::State {
     connection->send(bytes.data(), bytes.size(), websocketpp::frame::opcode::binary);
   }
 
+  /// Serves until the server is stopped. A client that leaves while it is answered makes the library throw, which must
+  /// end neither the service of the others nor the program.
+  void run() {
+    for (bool is_stopped = false; !is_stopped;) {
+      try {
+        server.run();
+        is_stopped = true;
+      } catch (const std::exception&) {
+      }
+    }
+  }
+
   void set_up() {
     server.clear_access_channels(websocketpp::log::alevel::all);
     server.clear_error_channels(websocketpp::log::elevel::all);
@@ -163,7 +176,7 @@ FoxgloveServer::FoxgloveServer(const std::string& address, int port, std::vector
   state_->port = state_->server.get_local_endpoint(address_error).port();
   state_->server.start_accept(error);
   if (error) throw InputError(place, "", "cannot be listened at: " + error.message());
-  state_->thread = std::thread([state = state_.get()] { state->server.run(); });
+  state_->thread = std::thread([state = state_.get()] { state->run(); });
 }
 
 FoxgloveServer::~FoxgloveServer() {

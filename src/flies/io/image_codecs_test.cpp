@@ -10,6 +10,7 @@
 #include <string>
 
 #include "flies/io/image_decoders.hpp"
+#include "flies/io/image_file.hpp"
 #include "flies/io/temporary_folder.hpp"
 
 namespace flies {
@@ -59,6 +60,48 @@ TEST(DecodePnm, TakesTheShortestTextsAndNoneThatPromisesMore) {
   EXPECT_EQ(decode_image("P3\n1 1\n9\n1 2 3").size(), cv::Size(1, 1));
   EXPECT_TRUE(decode_image("P1\n3 2\n10101").empty());
   EXPECT_TRUE(decode_image("P3\n32000 32000\n255\n1 2 3 4 5 6 7 8 9\n").empty());
+}
+
+TEST(DecodePnm, StretchesLevelsWhoseMaximumIsLower) {
+  expect_equal(decode_image("P2\n3 1\n100\n0 50 100"), (cv::Mat_<std::uint8_t>(1, 3) << 0, 128, 255), "text");
+  expect_equal(decode_image("P5 3 1 100 \x01\x32\xFF"), (cv::Mat_<std::uint8_t>(1, 3) << 3, 128, 255), "bytes");
+  expect_equal(decode_image("P5 2 1 255 \x01\x32"), (cv::Mat_<std::uint8_t>(1, 2) << 1, 50), "as they are");
+}
+
+/// A grey bitmap of 5 x 2 px, 8 bits a pixel, packed.
+std::string packed_bmp(const std::string& rows, int packing = 1) {
+  const auto number = [](std::size_t value, int bytes) {
+    std::string text;
+    for (int i = 0; i < bytes; ++i) text += static_cast<char>(value >> (8 * i) & 255U);
+    return text;
+  };
+  std::string palette;
+  for (std::size_t i = 0; i < 256; ++i) palette += number(i * 0x010101U, 4);
+  const std::size_t pixels_at = 14 + 40 + palette.size();
+  return "BM" + number(pixels_at + rows.size(), 4) + number(0, 4) + number(pixels_at, 4) + number(40, 4) +
+         number(5, 4) + number(2, 4) + number(1, 2) + number(8, 2) + number(static_cast<std::size_t>(packing), 4) +
+         number(rows.size(), 4) + number(0, 16) + palette + rows;
+}
+
+TEST(DecodeBmp, ReadsRunLengths) {
+  using namespace std::string_literals;
+  // From the bottom: four of 7, one of 9; then one step to the right, three as they are.
+  const std::string rows = "\x04\x07\x01\x09\0\0\0\x02\x01\0\0\x03\x21\x22\x23\0\0\x01"s;
+  expect_equal(decode_image(packed_bmp(rows)), (cv::Mat_<std::uint8_t>(2, 5) << 0, 0x21, 0x22, 0x23, 0, 7, 7, 7, 7, 9),
+               "RLE8");
+}
+
+TEST(DecodeBmp, RefusesRunsThatLeaveTheImageOrBreakOff) {
+  using namespace std::string_literals;
+  for (const std::string& rows : {"\x06\x07\0\x01"s, "\x05\x07"s, "\0\x05\x01\x02"s, "\0\x02\x01"s,
+                                  "\0\x02\0\x02\x01\x07\0\x01"s, "\0\x02\x09\0\x01\x07\0\x01"s})
+    EXPECT_TRUE(decode_image(packed_bmp(rows)).empty());
+}
+
+TEST(ImageFileFault, NamesACompressionThatIsNotRead) {
+  EXPECT_EQ(detail::image_file_fault(packed_bmp("", 2)),
+            "is a bitmap of a compression that is not read, expected none or RLE8");
+  EXPECT_EQ(detail::image_file_fault(packed_bmp("", 1)), "");
 }
 
 TEST(IsTooLarge, KnowsWhatBytesCanHold) {

@@ -86,6 +86,16 @@ std::string webp_fault(std::string_view bytes) {
   return bytes.size() - 8 < length ? kTruncated : "";
 }
 
+std::string bmp_fault(std::string_view bytes) {
+  constexpr std::size_t kBits = 28, kPacking = 30;
+  constexpr std::uint8_t kPlain = 0, kRunLengths8 = 1, kBitFields = 3, kAlphaBitFields = 6;
+  if (bytes.size() < kPacking + 4) return kTruncated;
+  const std::uint8_t bits = byte_at(bytes, kBits), packing = byte_at(bytes, kPacking);
+  const bool is_read = packing == kPlain || (packing == kRunLengths8 && bits == 8) || packing == kBitFields ||
+                       packing == kAlphaBitFields;
+  return is_read ? "" : "is a bitmap of a compression that is not read, expected none or RLE8";
+}
+
 }  // namespace
 
 std::optional<std::size_t> pnm_number(std::string_view bytes, std::size_t& at) {
@@ -121,6 +131,7 @@ std::string image_file_fault(std::string_view bytes) {
     case ImageFileKind::webp:
       return webp_fault(bytes);
     case ImageFileKind::bmp:
+      return bmp_fault(bytes);
     case ImageFileKind::tiff:
       return {};
     case ImageFileKind::unknown:

@@ -76,6 +76,22 @@ std::optional<Plane> on_plane(const RawCamera& camera, double x, double y, doubl
 
 }  // namespace
 
+std::size_t least_coefficients(Lens lens) {
+  switch (lens) {
+    case Lens::equidistant:
+      return 4;
+    case Lens::double_sphere:
+    case Lens::unified:
+      return 2;
+    case Lens::mei:
+    case Lens::fov:
+      return 1;
+    case Lens::brown:
+      break;
+  }
+  return 0;
+}
+
 const char* lens_name(Lens lens) {
   switch (lens) {
     case Lens::equidistant:
@@ -95,6 +111,7 @@ const char* lens_name(Lens lens) {
 }
 
 std::optional<std::array<double, 2>> project(const RawCamera& camera, const std::array<double, 3>& point) {
+  if (camera.distortion.size() < least_coefficients(camera.lens)) return std::nullopt;
   const auto at = on_plane(camera, point[0], point[1], point[2]);
   if (!at) return std::nullopt;
   const auto& m = camera.matrix;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,9 @@ enum class Lens {
   fov,            ///< Devernay and Faugeras 2001, one angle: w
 };
 
+/// How many coefficients the model has at least; `brown` and what `mei` has behind xi may lack all, which are then 0.
+std::size_t least_coefficients(Lens lens);
+
 /// The name of a model in the text of a note: "equidistant (fisheye)", ...
 const char* lens_name(Lens lens);
 
@@ -27,7 +31,8 @@ struct RawCamera {
   Lens lens = Lens::brown;
 };
 
-/// Where a point in the camera's frame (x right, y down, z forward) appears; nothing when the model does not see it.
+/// Where a point in the camera's frame (x right, y down, z forward) appears; nothing when the model does not see it
+/// or lacks coefficients.
 /// `brown` takes 5 coefficients at most here: OpenCV projects the others.
 std::optional<std::array<double, 2>> project(const RawCamera& camera, const std::array<double, 3>& point);
 

@@ -1,10 +1,13 @@
 #include "flies/io/lens.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "flies/core/error.hpp"
 #include "flies/io/formats/toy_rig.hpp"
+#include "flies/io/rectifier.hpp"
 
 namespace flies {
 namespace {
@@ -86,6 +89,20 @@ TEST(Lens, DoesNotSeeWhatIsBehind) {
   EXPECT_FALSE(project(camera_of(Lens::double_sphere, {-0.24, 0.57}), {0.0, 0.1, -1.0}));
   EXPECT_FALSE(project(camera_of(Lens::mei, {0.5}), {0.0, 0.1, -1.0}));
   EXPECT_FALSE(project(camera_of(Lens::unified, {0.4, 1.0}), {0.0, 0.1, -1.0}));
+}
+
+TEST(Lens, SeesNothingWithoutItsCoefficients) {
+  for (const Lens lens : {Lens::equidistant, Lens::double_sphere, Lens::unified, Lens::mei, Lens::fov}) {
+    std::vector<double> few(least_coefficients(lens) - 1, 0.1);
+    few.shrink_to_fit();
+    const RawCamera camera = camera_of(lens, few);
+    EXPECT_FALSE(project(camera, {0.1, 0.1, 1.0})) << lens_name(lens);
+    const RawStereo raw{640, 480, camera, camera, {1, 0, 0, 0, 1, 0, 0, 0, 1}, {-0.1, 0, 0}};
+    EXPECT_THAT([&] { Rectifier(raw, "rig.yaml"); },
+                ::testing::ThrowsMessage<InputError>(::testing::HasSubstr("rig.yaml: distortion: found")))
+        << lens_name(lens);
+  }
+  EXPECT_TRUE(project(camera_of(Lens::brown, {}), {0.1, 0.1, 1.0}));
 }
 
 }  // namespace

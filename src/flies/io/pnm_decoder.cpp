@@ -8,6 +8,8 @@
 namespace flies::detail {
 namespace {
 
+constexpr std::size_t kWhite = 255;  // what the maximum becomes where it is lower
+
 std::uint8_t byte_at(std::string_view bytes, std::size_t at) { return static_cast<std::uint8_t>(bytes[at]); }
 
 /// What the pixels take at least, so that a file of a few bytes cannot ask for gigabytes.
@@ -68,7 +70,9 @@ cv::Mat decode_pnm(std::string_view bytes) {
         level = byte_at(bytes, at++);
         if (*maximum > 255) level = level << 8 | byte_at(bytes, at++);
       }
-      row[i] = static_cast<std::uint16_t>(std::min<std::size_t>(level, is_text ? *maximum : 65535));
+      level = std::min(level, is_text || *maximum < kWhite ? *maximum : std::size_t{65535});
+      if (*maximum < kWhite) level = (level * kWhite + *maximum / 2) / *maximum;
+      row[i] = static_cast<std::uint16_t>(level);
     }
   }
   if (*maximum <= 255) levels.convertTo(levels, CV_8U);

@@ -174,6 +174,13 @@ Remap map_of(const RawCamera& camera, const cv::Mat& rotation, const cv::Mat& pr
   return map;
 }
 
+void check_coefficients(const RawCamera& camera, const std::string& source) {
+  if (const std::size_t least = least_coefficients(camera.lens); camera.distortion.size() < least)
+    throw InputError(source, "distortion",
+                     fmt::format("found {} coefficients, expected at least {} of the {} lens", camera.distortion.size(),
+                                 least, lens_name(camera.lens)));
+}
+
 }  // namespace
 
 struct Rectifier::Maps {
@@ -181,6 +188,8 @@ struct Rectifier::Maps {
 };
 
 Rectifier::Rectifier(const RawStereo& raw, const std::string& source) : raw_(raw), source_(source) {
+  check_coefficients(raw.left, source);
+  check_coefficients(raw.right, source);
   const cv::Size size(raw.width_px, raw.height_px);
   auto maps = std::make_shared<Maps>();
   Rectification to;

@@ -1,14 +1,18 @@
 #include "flies/io/zip_archive.hpp"
 
-#include <cassert>
+#include <fmt/format.h>
+
+#include <cstdint>
 #include <limits>
 
+#include "flies/core/error.hpp"
 #include "flies/io/crc32.hpp"
 
 namespace flies {
 namespace {
 
 constexpr std::uint16_t kVersion = 20, kUtf8Names = 0x0800, kStored = 0, kFirstOf1980 = 0x0021;
+constexpr std::size_t kHeader = 30;  // bytes before a name
 
 void put(std::string& out, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFFU));
@@ -31,8 +35,14 @@ void put_description(std::string& out, const ZipEntry& entry) {
 }  // namespace
 
 std::string zip_archive(std::span<const ZipEntry> entries) {
+  constexpr std::size_t kLongest = std::numeric_limits<std::uint32_t>::max(),
+                        kMost = std::numeric_limits<std::uint16_t>::max();
+  if (entries.size() > kMost)
+    throw InputError("zip archive", "", fmt::format("found {} files, expected at most {}", entries.size(), kMost));
   std::string archive, directory;
   for (const auto& entry : entries) {
+    if (entry.name.size() > kMost || archive.size() + entry.bytes.size() + entry.name.size() > kLongest - kHeader)
+      throw InputError("zip archive", entry.name.substr(0, 100), "is too long, or the files together are 4 GB or more");
     const std::size_t offset = archive.size();
     put(archive, 0x04034B50, 4);
     put_description(archive, entry);
@@ -49,7 +59,6 @@ std::string zip_archive(std::span<const ZipEntry> entries) {
     put(directory, offset, 4);
     directory += entry.name;
   }
-  assert(archive.size() < std::numeric_limits<std::uint32_t>::max());
   const std::size_t offset = archive.size();
   archive += directory;
   put(archive, 0x06054B50, 4);

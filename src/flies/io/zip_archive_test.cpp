@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "flies/core/error.hpp"
 #include "flies/io/temporary_folder.hpp"
 
 namespace flies {
@@ -25,6 +26,12 @@ TEST(ZipArchive, AnotherProgramReadsIt) {
       "assert z.namelist() == ['a.txt', 'folder/b.bin', 'c'], z.namelist()\n"
       "assert z.read('a.txt') == b'hello' and z.read('folder/b.bin') == b'\\0\\xff\\n' and z.read('c') == b''\n");
   EXPECT_EQ(std::system(("python3 " + folder.file("read.py") + " " + folder.file("t.zip")).c_str()), 0);
+}
+
+TEST(ZipArchive, RefusesMoreThanItsHeadersCount) {
+  EXPECT_THROW(zip_archive(std::vector<ZipEntry>(65'536, ZipEntry{"a", ""})), InputError);
+  EXPECT_THROW(zip_archive(std::vector{ZipEntry{std::string(65'536, 'a'), ""}}), InputError);
+  EXPECT_NO_THROW(zip_archive(std::vector<ZipEntry>(65'535, ZipEntry{"a", ""})));
 }
 
 }  // namespace

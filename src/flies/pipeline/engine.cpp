@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <condition_variable>
 #include <cstring>
 #include <deque>
@@ -143,6 +144,7 @@ void Engine::submit(const RectifiedPair& given, double time_s) {
   own->arrived = Clock::now();
   {
     const std::lock_guard lock(state_->mutex);
+    if (!std::isfinite(time_s)) throw InputError("pair", "time", fmt::format("{} is no time in seconds", time_s));
     if (!(time_s > state_->last_time_s))
       throw InputError("pair", "time",
                        fmt::format("{} s is not later than {} s of the pair before", time_s, state_->last_time_s));

@@ -141,6 +141,8 @@ TEST(Engine, RefusesAtTheDoor) {
   EXPECT_THAT([&] { engine.submit(wall.pair(), 1.0); }, ThrowsMessage<InputError>(HasSubstr("not later than 1 s")));
   EXPECT_THAT([&] { engine.submit(wall.pair(), std::numeric_limits<double>::quiet_NaN()); },
               ThrowsMessage<InputError>(HasSubstr("time")));
+  EXPECT_THAT([&] { engine.submit(wall.pair(), std::numeric_limits<double>::infinity()); },
+              ThrowsMessage<InputError>(HasSubstr("time")));
   EXPECT_THROW(engine.submit({}, 2.0), InputError);
   RectifiedPair small = wall.pair();
   small.left.width_px = small.right.width_px = 200;

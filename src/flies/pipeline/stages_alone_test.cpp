@@ -10,6 +10,7 @@
 #include "flies/core/error.hpp"
 #include "flies/evolve/operators.hpp"
 #include "flies/pipeline/detector.hpp"
+#include "flies/track/tracks.hpp"
 
 namespace flies {
 namespace {
@@ -82,6 +83,21 @@ BadOptions bad_concentration(const char* name, const char* complaint,
           }};
 }
 
+BadOptions bad_scan(const char* name, const char* complaint, const std::function<void(ScanOptions&)>& spoil) {
+  return {name, complaint, [spoil](const Bench& bench) {
+            ScanOptions options;
+            spoil(options);
+            scan(bench.pair(), bench.projection, {}, {}, {}, options);
+          }};
+}
+
+/// A right image of fewer rows.
+RectifiedPair uneven(const Bench& bench) {
+  RectifiedPair pair = bench.pair();
+  pair.right.height_px = kHeight_px / 2;
+  return pair;
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Table, StagesAlone,
     ::testing::Values(
@@ -142,6 +158,51 @@ INSTANTIATE_TEST_SUITE_P(
                      options.probes = -3;
                      estimate_road(bench.pair(), bench.projection, options);
                    }},
+        bad_scan("CellRowStep", "cells.row_step: found 0", [](auto& o) { o.cells.row_step = 0; }),
+        bad_scan("NearQuantile", "near_quantile: found 1.5", [](auto& o) { o.near_quantile = 1.5; }),
+        bad_scan("ScanEmpty", "is empty", [](auto& o) { o.x_min_m = o.x_max_m; }),
+        BadOptions{"ScannerOptions", "angle_increment_deg: found 0",
+                   [](const Bench& bench) {
+                     ScanOptions options;
+                     options.angle_increment_deg = 0;
+                     Scanner().scan(bench.pair(), bench.projection, {}, {}, {}, options);
+                   }},
+        BadOptions{"ScanField", "x_max_m: found 1000",
+                   [](const Bench& bench) {
+                     FieldOptions field;
+                     field.x_max_m = 1000;
+                     scan(bench.pair(), bench.projection, {}, {}, field, {});
+                   }},
+        BadOptions{"WholeObstacles", "max_width_m: found 0",
+                   [](const Bench& bench) {
+                     WholeOptions options;
+                     options.max_width_m = 0;
+                     whole_obstacles({}, {}, bench.projection, {}, options);
+                   }},
+        BadOptions{"Tracks", "min_corners: found 0",
+                   [](const Bench& bench) {
+                     TrackOptions options;
+                     options.min_corners = 0;
+                     TrackKeeper(bench.camera, options);
+                   }},
+        BadOptions{"EgoMotion", "hypotheses: found 0",
+                   [](const Bench& bench) {
+                     EgoOptions options;
+                     options.hypotheses = 0;
+                     EgoEstimator(bench.camera, options);
+                   }},
+        BadOptions{"PairOfScore", "right image: size",
+                   [](const Bench& bench) { score_point(uneven(bench), {}, {80, 60, 10}); }},
+        BadOptions{"PairOfCorrelation", "right image: size",
+                   [](const Bench& bench) { correlate_point(uneven(bench), {}, {80, 60, 10}); }},
+        BadOptions{"PairOfFlies", "right image: size",
+                   [](const Bench& bench) { score_flies(uneven(bench), bench.projection, {}, {}); }},
+        BadOptions{"PairOfScan", "right image: size",
+                   [](const Bench& bench) { scan(uneven(bench), bench.projection, {}, {}, {}, {}); }},
+        BadOptions{"PairOfRoad", "right image: size",
+                   [](const Bench& bench) { estimate_road(uneven(bench), bench.projection, {}); }},
+        BadOptions{"PairOfEgoMotion", "right image: size",
+                   [](const Bench& bench) { EgoEstimator(bench.camera).follow(uneven(bench), 0.0); }},
         BadOptions{"Votes", "votes: found 0",
                    [](const Bench& bench) {
                      ClassifyOptions options;

@@ -33,11 +33,12 @@ Tracker::Tracker(const StereoCamera& camera, const DetectorOptions& detector, co
 Tracking Tracker::process(const RectifiedPair& pair, double time_s, const std::optional<EgoMotion>& measured) {
   Tracking t;
   t.time_s = time_s;
+  ego_.check(pair, time_s);
   if (measured) {
     t.ego = *measured;
     t.detection = detector_.process(pair, planar_motion(t.ego));
+    ego_.skip(pair, time_s);
   } else {
-    ego_.check(pair, time_s);
     t.detection = detector_.process(pair, [&] {
       t.ego = timed(t.ego_ms, [&] { return ego_.follow(pair, time_s); });
       return planar_motion(t.ego);

@@ -43,7 +43,8 @@ class Tracker {
                    std::shared_ptr<const PeopleClassifier> classifier = default_people_classifier());
 
   /// @param time_s   of the pair, later than that of the one before
-  /// @param measured the camera's motion where another sensor knows it; else it is estimated from the images
+  /// @param measured the camera's motion where another sensor knows it; else it is estimated from the images, which
+  ///                 takes two in a row without it: after a pair with it the motion of one without is unknown
   /// @throws InputError when the images do not fit the camera or time does not advance
   Tracking process(const RectifiedPair& pair, double time_s, const std::optional<EgoMotion>& measured = std::nullopt);
 

@@ -94,6 +94,25 @@ TEST(Tracker, RefusesTimeThatStandsStill) {
   EXPECT_THAT([&] { tracker.process(Scene(0).pair(), 1.0); }, ThrowsMessage<InputError>(HasSubstr("time_s")));
 }
 
+TEST(Tracker, RefusesTimeThatStandsStillWithAKnownMotionToo) {
+  Tracker tracker(camera());
+  const EgoMotion known = given_ego_motion(0.1, 3.0, 0.0, 0.0);
+  tracker.process(Scene(0).pair(), 1.0, known);
+  EXPECT_THAT([&] { tracker.process(Scene(0).pair(), 1.0, known); }, ThrowsMessage<InputError>(HasSubstr("time_s")));
+  EXPECT_THAT([&] { tracker.process(Scene(0).pair(), 0.5); }, ThrowsMessage<InputError>(HasSubstr("time_s")));
+}
+
+TEST(Tracker, MeasuresNoMotionOverPairsWhoseMotionWasGiven) {
+  Tracker tracker(camera());
+  const Scene scene(0);
+  for (int i = 0; i < 2; ++i) tracker.process(scene.pair(), 0.1 * i);
+  tracker.process(scene.pair(), 0.2, given_ego_motion(0.1, 3.0, 0.0, 0.0));
+  EXPECT_FALSE(tracker.process(scene.pair(), 0.3).ego.is_known) << "would be since 0.1 s";
+  const auto after = tracker.process(scene.pair(), 0.4);
+  EXPECT_TRUE(after.ego.is_known);
+  EXPECT_NEAR(after.ego.dt_s, 0.1, 1e-9);
+}
+
 /// What three pairs of the moving board become, each track as its number, place and velocity.
 std::vector<std::array<double, 5>> tracks_of(Tracker& tracker) {
   std::vector<std::array<double, 5>> tracks;

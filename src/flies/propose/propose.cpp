@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
 #include "flies/propose/scan_stretches.hpp"
 
@@ -19,6 +20,8 @@ constexpr double kWindowAspect = 0.5;
 constexpr std::size_t kMaxRoisPerObstacle = 10'000;
 /// Closer to the camera than this no person fits into any image.
 constexpr double kMinDepth_m = 0.5;
+/// Windows that agree to less than this share of their height are one and the same: nothing is merged.
+constexpr double kLeastMergeStep = 1e-9;
 
 std::vector<double> person_heights(const ProposeOptions& options) {
   if (options.heights == 1) return {std::sqrt(options.min_height_m * options.max_height_m)};
@@ -38,7 +41,7 @@ std::vector<int> alternating(int count) {
 
 int lateral_steps(double width_m, double step_m, const ProposeOptions& options) {
   const double reach_m = std::min(std::max(width_m, 0.0) / 2.0 + options.lateral_margin_m, options.max_lateral_m);
-  return static_cast<int>(std::floor(reach_m / step_m + 1e-9));
+  return saturated<int>(std::floor(reach_m / step_m + 1e-9));
 }
 
 bool may_be_person(const Obstacle& obstacle, const Projection& projection, const ProposeOptions& options) {
@@ -87,7 +90,7 @@ struct SizeClass {
   SizeClass(double height_px, double merge_step) {
     if (!(merge_step > 0.0)) return;
     const double nearest = std::round(std::log(height_px) / std::log1p(merge_step));
-    number = std::lround(nearest);
+    number = saturated<std::int64_t>(nearest);
     cell_px = merge_step * std::pow(1.0 + merge_step, nearest);
   }
 };
@@ -100,8 +103,8 @@ struct MergeKey {
 };
 
 MergeKey merge_key(const ImageBox& window, const SizeClass& size) {
-  return {size.number, std::lround((window.u_px + window.width_px / 2.0) / size.cell_px),
-          std::lround((window.v_px + window.height_px / 2.0) / size.cell_px)};
+  const auto cell = [&](double middle_px) { return saturated<std::int64_t>(std::round(middle_px / size.cell_px)); };
+  return {size.number, cell(window.u_px + window.width_px / 2.0), cell(window.v_px + window.height_px / 2.0)};
 }
 
 /// Keys seen so far, in one piece of memory: a set of the library allocates a node for each.
@@ -153,8 +156,8 @@ std::size_t max_rois_per_obstacle(const ProposeOptions& options) {
   std::size_t count = 0;
   for (const double height_m : person_heights(options)) {
     const double step_m = step_between_boxes(options) * height_m / options.person_share;
-    count += static_cast<std::size_t>((2 * lateral_steps(kAnyWidth_m, step_m, options) + 1) *
-                                      (2 * options.vertical_shifts + 1));
+    const auto sideways = static_cast<std::size_t>(lateral_steps(kAnyWidth_m, step_m, options));
+    count += (2 * sideways + 1) * static_cast<std::size_t>(2 * options.vertical_shifts + 1);
   }
   return count;
 }
@@ -198,7 +201,7 @@ std::vector<Roi> propose_rois(std::span<const Obstacle> obstacles, const Scan& s
           Roi roi = shifted(on_road, left, down, range_m, step_m, step_px);
           roi.obstacle = i;
           if (touches_image(roi.person, image_width_px, image_height_px) &&
-              (options.merge_step == 0.0 || seen.insert(merge_key(roi.window, size))))
+              (options.merge_step < kLeastMergeStep || seen.insert(merge_key(roi.window, size))))
             rois.push_back(roi);
         }
     }

@@ -233,5 +233,20 @@ TEST(ProposeRois, LooksAtSurfacesOfTheScanAfterTheObstacles) {
   EXPECT_NEAR(std::hypot(rois[1].x_m, rois[1].y_m), 12.0, 1e-9);
 }
 
+TEST(ProposeRois, RefusesStepsThatNoNumberOfBoxesCounts) {
+  for (const double step : {1e-300, 1e-12, 1e-7}) {
+    ProposeOptions options;
+    options.step = step;
+    EXPECT_THROW(propose({person_at(10.0, 0.0)}, options), InputError) << step;
+  }
+}
+
+TEST(ProposeRois, MergesNothingByASteplessGrid) {
+  ProposeOptions keep_all, tiny;
+  keep_all.merge_step = 0.0;
+  tiny.merge_step = 1e-300;
+  EXPECT_EQ(propose({person_at(10.0, 0.0)}, tiny).size(), propose({person_at(10.0, 0.0)}, keep_all).size());
+}
+
 }  // namespace
 }  // namespace flies

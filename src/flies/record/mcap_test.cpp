@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -129,6 +132,42 @@ TEST(Mcap, FullDiskIsTold) {
         McapWriter("/dev/full", {{"/a", "A", "{}"}});
       },
       ThrowsMessage<InputError>(HasSubstr("/dev/full: cannot write")));
+}
+
+/// Files may grow to this many bytes while it lives: what does not fit is refused as on a full disk.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int) = nullptr;
+};
+
+TEST(Mcap, ARecordingThatFailedIsToldUntilItIsClosed) {
+  const testing::TemporaryFolder folder;
+  const FileSizeLimit limit(1000);
+  McapWriter writer(folder.file("t.mcap"), {{"/a", "A", "{}"}});
+  std::string noise(4000, ' ');  // that does not pack into the rest of the file
+  std::uint32_t state = 1;
+  for (char& c : noise) c = static_cast<char>((state = state * 1664525U + 1013904223U) >> 24U);
+  const auto fails = ThrowsMessage<InputError>(HasSubstr("t.mcap: cannot write"));
+  writer.write(0, 0, noise);
+  EXPECT_THAT([&] { writer.write(0, 2 * kSecond_ns, noise); }, fails);
+  EXPECT_THAT([&] { writer.write(0, 3 * kSecond_ns, noise); }, fails);
+  EXPECT_THAT([&] { writer.close(); }, fails);
+  EXPECT_THAT([&] { writer.close(); }, fails);
 }
 
 }  // namespace

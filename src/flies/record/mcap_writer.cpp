@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <numeric>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/io/crc32.hpp"
@@ -34,16 +35,12 @@ std::string compressed(std::string_view bytes) {
   return result;
 }
 
-[[noreturn]] void fail(const std::string& path, int error_number) {
-  throw InputError(path, "", std::string("cannot write: ") + std::strerror(error_number));
-}
-
 }  // namespace
 
 McapWriter::McapWriter(const std::string& path, std::vector<McapChannel> channels)
     : path_(path), channels_(std::move(channels)), sequences_(channels_.size(), 0) {
   descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) fail(path_, errno);
+  if (descriptor_ < 0) fail(errno);
   std::string header, begin(kMagic);
   put_text(header, "");  // no profile
   put_text(header, "flies");
@@ -58,16 +55,17 @@ McapWriter::~McapWriter() {
   }
 }
 
+void McapWriter::fail(int error_number) {
+  error_number_ = error_number;
+  if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
+  throw InputError(path_, "", std::string("cannot write: ") + std::strerror(error_number));
+}
+
 void McapWriter::append(std::string_view bytes) {
   while (!bytes.empty()) {
     const auto count = ::write(descriptor_, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) {
-      const int error_number = errno;
-      ::close(descriptor_);
-      descriptor_ = -1;
-      fail(path_, error_number);
-    }
+    if (count <= 0) fail(count < 0 ? errno : ENOSPC);
     position_ += static_cast<std::uint64_t>(count);
     bytes.remove_prefix(static_cast<std::size_t>(count));
   }
@@ -102,6 +100,7 @@ std::string McapWriter::channels_record() const {
 
 void McapWriter::write(std::size_t channel, std::uint64_t time_ns, std::string_view message) {
   assert(channel < channels_.size());
+  if (error_number_ != 0) fail(error_number_);
   if (descriptor_ < 0) return;
   if (chunk_.empty()) chunk_start_ns_ = chunk_end_ns_ = time_ns;
   chunk_start_ns_ = std::min(chunk_start_ns_, time_ns);
@@ -181,6 +180,7 @@ std::string McapWriter::statistics_record() const {
 }
 
 void McapWriter::close() {
+  if (error_number_ != 0) fail(error_number_);
   if (descriptor_ < 0) return;
   end_chunk();
   std::string end, content;
@@ -211,8 +211,7 @@ void McapWriter::close() {
   put(tail, offsets_start, 8);
   put(tail, crc32(tail), 4);
   append(tail + std::string(kMagic));
-  ::close(descriptor_);
-  descriptor_ = -1;
+  if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);  // some file systems tell of a full disk only here
 }
 
 }  // namespace flies

@@ -29,13 +29,14 @@ class McapWriter {
 
   /// @param channel index of the channel
   /// @param time_ns since 1970
-  /// @throws InputError naming the file when the disk is full or the like
+  /// @throws InputError naming the file when the disk is full or the like, and so does every call after that
   void write(std::size_t channel, std::uint64_t time_ns, std::string_view message);
 
   /// Writes what waits and the index. @throws InputError as `write`
   void close();
 
  private:
+  [[noreturn]] void fail(int error_number);
   void append(std::string_view bytes);
   void end_chunk();
   std::string schemas_record() const;
@@ -44,6 +45,7 @@ class McapWriter {
 
   std::string path_;
   int descriptor_ = -1;
+  int error_number_ = 0;        ///< of what failed first
   std::uint64_t position_ = 0;  ///< in the file
   std::vector<McapChannel> channels_;
   std::vector<std::uint32_t> sequences_;  ///< messages of each channel so far

@@ -236,6 +236,7 @@ std::optional<CameraMount> nearby_mount(const Evidence& evidence, std::span<cons
 }  // namespace
 
 MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera& camera) {
+  check_camera(camera, "camera");
   MountFinding finding{.told = camera.mount, .mount = camera.mount};
   std::vector<RectifiedPair> pairs;
   for (const auto& pair : given) pairs.push_back(detail::usable_pair(pair));

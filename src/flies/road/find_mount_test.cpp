@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "flies/core/error.hpp"
 #include "flies/road/textured_road.hpp"
 
 namespace flies {
@@ -104,6 +106,12 @@ TEST(FindMount, TakesNoPairsAndImagesOfOnePixel) {
   const std::uint8_t pixel = 7;
   const RectifiedPair tiny{{&pixel, 1, 1, 1}, {&pixel, 1, 1, 1}};
   EXPECT_FALSE(find_mount({&tiny, 1}, camera({}, 0.5)).is_replaced);
+}
+
+TEST(FindMount, RefusesACameraThatIsNoNumber) {
+  StereoCamera nowhere = camera({}, 0.5);
+  nowhere.fx_px = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(find_mount({}, nowhere), InputError);
 }
 
 }  // namespace

@@ -172,6 +172,7 @@ int column_at(const Reading& r, double angle_rad, double x_far_m) {
 }  // namespace
 
 void check_scan_options(const ScanOptions& options, const std::string& source) {
+  check_options(options, source);
   if (!(options.x_min_m < options.x_max_m))
     throw InputError(source, "scan.x_min_m",
                      fmt::format("the interval {}..{} m is empty", options.x_min_m, options.x_max_m));
@@ -183,6 +184,8 @@ void check_scan_options(const ScanOptions& options, const std::string& source) {
 Scan Scanner::scan(const RectifiedPair& given, const Projection& projection, const RoadPlane& road,
                    const Population& flies, const FieldOptions& field, const ScanOptions& options,
                    const MotionSource& motion) {
+  check_scan_options(options, "scan options");
+  check_field(field, "field options");
   if (!options.enable) return {};
   const RectifiedPair pair = detail::usable_pair(given);
   lay_out_cells(pair, projection, road, options, layout_);

@@ -18,7 +18,7 @@
 
 namespace flies {
 
-/// @throws InputError naming `source` and the interval that is empty
+/// @throws InputError naming `source` and the option out of range or the interval that is empty
 void check_scan_options(const ScanOptions& options, const std::string& source);
 
 /// Looks for the nearest obstacle in every direction that both cameras see. The pair is cut into cells of eight columns
@@ -28,6 +28,7 @@ void check_scan_options(const ScanOptions& options, const std::string& source);
 /// something seen before it), and the cheapest path over all columns decides for neighbours together. Deterministic.
 /// @param flies scored, in the vehicle frame; may be empty
 /// @param field its far end is that of the scan
+/// @throws InputError when the options, the field or the pair cannot be used
 Scan scan(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road, const Population& flies,
           const FieldOptions& field, const ScanOptions& options);
 

@@ -84,7 +84,8 @@ Thing thing_of_room(FlyRandom& random, float contrast) {
 Thing thing_of_aisle(FlyRandom& random, float contrast) {
   const double pick = random.uniform();
   Thing thing{.kind = ObjectClass::pallet, .mesh = {}};
-  thing.yaw_rad = between(random, -0.1, 0.1) + (random.uniform() < 0.5 ? 0.0F : 0.5F * kPi);
+  const float askew_rad = between(random, -0.1, 0.1);
+  thing.yaw_rad = askew_rad + (random.uniform() < 0.5 ? 0.0F : 0.5F * kPi);
   if (pick < 0.4) {
     thing.mesh = pallet(random, random.uniform() < 0.7, contrast);
   } else {

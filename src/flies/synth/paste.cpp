@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "flies/core/error.hpp"
 #include "flies/core/random.hpp"
+#include "flies/core/usable_pair.hpp"
 #include "flies/synth/paste_places.hpp"
 #include "flies/synth/surroundings.hpp"
 
@@ -130,14 +130,16 @@ void measure_occlusion(std::span<const std::size_t> silhouettes_px, PastedPair& 
 
 }  // namespace
 
-PastedPair paste_people(const RealPair& pair, std::span<const CutOut> cut_outs, const PasteOptions& options,
+PastedPair paste_people(const RealPair& given, std::span<const CutOut> cut_outs, const PasteOptions& options,
                         std::uint32_t frame) {
   check_options(options, "pasting");
   if (options.people_max_range_m < options.people_min_range_m)
     throw InputError("pasting", "people_max_range_m",
                      fmt::format("found {}, expected at least people_min_range_m, {}", options.people_max_range_m,
                                  options.people_min_range_m));
-  assert(!cut_outs.empty());
+  if (cut_outs.empty()) throw InputError("pasting", "cut-outs", "found none, expected at least one");
+  RealPair pair = given;
+  pair.images = detail::usable_pair(given.images);
   const int width_px = pair.images.left.width_px, height_px = pair.images.left.height_px;
   check_camera_fits(pair.camera, width_px, height_px, "camera");
   const synth::Surroundings around =

@@ -54,7 +54,8 @@ struct PastedPair {
 /// their own.
 /// @param cut_outs at least one
 /// @param frame    number of the pair: those of one seed differ
-/// @throws InputError when an option is out of range, or the farthest person is nearer than the nearest
+/// @throws InputError when an option is out of range, the farthest person is nearer than the nearest, there are no
+///         cut-outs, or sizes differ: of the images, of the camera's, or of the disparities
 PastedPair paste_people(const RealPair& pair, std::span<const CutOut> cut_outs, const PasteOptions& options,
                         std::uint32_t frame);
 

@@ -210,5 +210,17 @@ TEST(PastePeople, RefusesOptionsThatCannotBe) {
   EXPECT_THROW(street.paste(), InputError);
 }
 
+TEST(PastePeople, RefusesSizesThatDoNotFit) {
+  Street short_of_truth, short_of_matches, without_people, uneven;
+  short_of_truth.known_px.pop_back();
+  EXPECT_THROW(short_of_truth.paste(), InputError);
+  short_of_matches.matched_px.clear();
+  EXPECT_THROW(short_of_matches.paste(), InputError);
+  without_people.cut_outs.clear();
+  EXPECT_THROW(without_people.paste(), InputError);
+  uneven.right.height_px /= 2;
+  EXPECT_THROW(uneven.paste(), InputError);
+}
+
 }  // namespace
 }  // namespace flies

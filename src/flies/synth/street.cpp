@@ -180,27 +180,32 @@ std::vector<SceneObject> trees(const SceneOptions& options, Taken& taken) {
       const float y = left ? kKerbLeft_m + 0.8F : kKerbRight_m - 0.8F;
       if (!taken.is_free(x, y, 1.5F)) continue;
       taken.circles.push_back({x, y, 0.35F});
+      const float yaw = between(random, -kPi, kPi);
       objects.push_back(stand(ObjectClass::tree, tree(random, static_cast<float>(options.texture_contrast)),
-                              {{x, y, kKerbHeight_m - 0.01F}, between(random, -kPi, kPi)}));
+                              {{x, y, kKerbHeight_m - 0.01F}, yaw}));
       break;
     }
   }
   return objects;
 }
 
+/// One of two numbers, as likely as the other.
+float either(FlyRandom& random, float one, float other) { return random.uniform() < 0.5 ? one : other; }
+
 /// A place where a person walks, and where to.
 Placement walk(FlyRandom& random, const SceneOptions& options, float zebra_x_m) {
   const float x = between(random, options.people_min_range_m, options.people_max_range_m);
   const double where = random.uniform();
   if (options.kind == SceneKind::crossing && where < 0.5) {
-    const float yaw = (random.uniform() < 0.5 ? 0.5F : -0.5F) * kPi + between(random, -0.15, 0.15);
+    const float across = either(random, 0.5F, -0.5F) * kPi, yaw = across + between(random, -0.15, 0.15);
     return {{zebra_x_m + between(random, -1.5, 1.5), between(random, kKerbRight_m + 0.3, kKerbLeft_m - 0.3), 0}, yaw};
   }
-  const float along = (random.uniform() < 0.5 ? 0.0F : kPi) + between(random, -0.25, 0.25);
+  const float way = either(random, 0.0F, kPi), along = way + between(random, -0.25, 0.25);
   if (where < 0.65) return {{x, between(random, kKerbRight_m - 2.6, kKerbRight_m - 0.4), 0}, along};
   if (where < 0.82) return {{x, between(random, kKerbLeft_m + 0.4, kKerbLeft_m + 2.6), 0}, along};
-  return {{x, between(random, kKerbRight_m + 0.2, kKerbLeft_m - 0.2), 0},
-          (random.uniform() < 0.5 ? 0.5F : -0.5F) * kPi + between(random, -0.4, 0.4)};
+  const float y = between(random, kKerbRight_m + 0.2, kKerbLeft_m - 0.2);
+  const float across = either(random, 0.5F, -0.5F) * kPi;
+  return {{x, y, 0}, across + between(random, -0.4, 0.4)};
 }
 
 std::vector<SceneObject> people(const SceneOptions& options, float zebra_x_m, Taken& taken) {

@@ -1,9 +1,13 @@
 #include "flies/synth/surroundings.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+
+#include "flies/core/error.hpp"
 
 namespace flies::synth {
 namespace {
@@ -53,6 +57,12 @@ cv::Mat moved_to_the_right_image(const cv::Mat& left) {
 
 Surroundings surroundings_of(std::span<const float> known, std::span<const float> otherwise, int width_px,
                              int height_px) {
+  const auto pixels = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
+  for (const auto& disparities : {known, otherwise})
+    if (disparities.size() != pixels)
+      throw InputError("disparity", "size",
+                       fmt::format("found {} numbers, expected one for each of {} x {} px", disparities.size(),
+                                   width_px, height_px));
   Surroundings result{cv::Mat(height_px, width_px, CV_32F), {}, cv::Mat(height_px, width_px, CV_8U)};
   for (int v = 0; v < height_px; ++v) {
     for (int u = 0; u < width_px; ++u) {

@@ -16,13 +16,14 @@ std::vector<int> assign_optimally(std::span<const double> costs, std::size_t row
   const auto cost = [&](std::size_t row, std::size_t column) {
     if (column >= columns) return column - columns == row ? alone_costs[row] : kInfinity;
     const double c = costs[row * columns + column];
-    return c < alone_costs[row] ? c : kInfinity;
+    return std::isfinite(c) && c < alone_costs[row] ? c : kInfinity;
   };
 
   // Rows and columns count from 1; column 0 holds the row that is being placed.
   std::vector<double> row_potential(rows + 1, 0.0), column_potential(all + 1, 0.0);
   std::vector<std::size_t> row_of(all + 1, 0), way(all + 1, 0);
   for (std::size_t row = 1; row <= rows; ++row) {
+    if (!std::isfinite(alone_costs[row - 1])) continue;  // no number to compare with: it stays alone
     row_of[0] = row;
     std::size_t column = 0;
     std::vector<double> least(all + 1, kInfinity);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -37,6 +38,12 @@ double scatter(std::vector<double> values, double middle) {
 }
 
 double logit(double p) { return std::log(p / (1.0 - p)); }
+
+/// False for what is nowhere: such a sighting would make whatever it meets just as undefined.
+bool is_usable(const Sighting& s) {
+  return std::isfinite(s.x_m) && std::isfinite(s.y_m) && std::isfinite(s.width_m) && std::isfinite(s.height_m) &&
+         std::isfinite(s.person_probability.value_or(0.0));
+}
 
 /// True when nothing but their numbers tells the two apart.
 bool are_of_one_thing(const Track& a, const Track& b) {
@@ -107,7 +114,7 @@ GroundPosition TrackKeeper::measured(const Sighting& s) const {
 }
 
 bool TrackKeeper::is_in_view(const GroundState& state) const {
-  if (!(state.x_m > kMinDepth_m)) return false;
+  if (!(state.x_m > kMinDepth_m) || !std::isfinite(state.y_m)) return false;
   if (camera_.width_px == 0) return true;
   const double u_px = camera_.cx_px - camera_.fx_px * state.y_m / state.x_m;
   return u_px >= 0.0 && u_px < camera_.width_px;
@@ -244,7 +251,9 @@ void TrackKeeper::join_doubles() {
   std::erase_if(tracks_, [](const Track& t) { return t.sightings == 0; });
 }
 
-std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sighting> sightings) {
+std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sighting> given) {
+  std::vector<Sighting> sightings;
+  std::ranges::copy_if(given, std::back_inserter(sightings), is_usable);
   if (!ego.is_known) tracks_.clear();
   predict_all(ego);
 
@@ -253,7 +262,7 @@ std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sight
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     for (std::size_t j = 0; j < sightings.size(); ++j) {
       const Innovation found = innovation(tracks_[i].state, measured(sightings[j]));
-      if (found.squared_distance >= options_.gate) continue;
+      if (!(found.squared_distance < options_.gate)) continue;
       // A new track's covariance is wide: the determinant keeps it from taking the sightings of old ones.
       costs[i * sightings.size() + j] = found.squared_distance + found.log_determinant;
       alone_costs[i] = options_.gate + found.log_determinant;

@@ -108,7 +108,7 @@ class TrackKeeper {
   explicit TrackKeeper(const StereoCamera& camera, const TrackOptions& options = {});
 
   /// @param ego      the motion since the call before; unknown at the first
-  /// @param sightings vehicle frame of now
+  /// @param sightings vehicle frame of now; those with a number that is not finite are passed over
   /// @returns the tracks to report, nearest first
   std::vector<Track> step(const EgoMotion& ego, std::span<const Sighting> sightings);
 

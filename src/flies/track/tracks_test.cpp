@@ -51,6 +51,14 @@ TEST(AssignOptimally, LeavesARowAloneWhereThatIsCheaper) {
   EXPECT_TRUE(assign_optimally({}, 0, 3, {}).empty());
 }
 
+TEST(AssignOptimally, TakesCostsThatAreNoNumbersForForbidden) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(assign_optimally(std::vector<double>{kNan, 2, -kForbidden, kNan}, 2, 2, std::vector<double>{5, 5}),
+              ElementsAre(1, -1));
+  EXPECT_THAT(assign_optimally(std::vector<double>{1, 2, 3, 4}, 2, 2, std::vector<double>{kNan, 9}),
+              ElementsAre(-1, 0));
+}
+
 TEST(AssignOptimally, IsAsGoodAsTryingEverything) {
   for (std::uint32_t trial = 0; trial < 200; ++trial) {
     constexpr std::size_t kRows = 4, kColumns = 5;
@@ -335,6 +343,26 @@ TEST(TrackKeeper, DoesNotJoinNeighbours) {
   TrackKeeper keeper(camera());
   for (int i = 0; i < 5; ++i) keeper.step(standing(), std::vector{at(10, 0), at(10, 0.9)});
   EXPECT_EQ(keeper.step(standing(), std::vector{at(10, 0.9)}).size(), 2U) << "one was only missed";
+}
+
+TEST(TrackKeeper, PassesOverSightingsThatAreNoNumbers) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  TrackKeeper keeper(camera());
+  std::vector<Track> tracks;
+  for (int i = 0; i < 3; ++i)
+    tracks = keeper.step(i == 0 ? EgoMotion{} : standing(),
+                         std::vector{at(kNan, 0), at(10, 1), at(10, kForbidden), at(10, 1, kNan)});
+  ASSERT_EQ(tracks.size(), 1U);
+  EXPECT_EQ(tracks[0].sightings, 3);
+  EXPECT_NEAR(tracks[0].state.x_m, 10, 0.1);
+}
+
+TEST(TrackKeeper, EndsTracksThatAMotionWithoutNumbersMoves) {
+  StereoCamera any_size = camera();
+  any_size.width_px = any_size.height_px = 0;
+  TrackKeeper keeper(any_size);
+  keeper.step({}, std::vector{at(10, 1), at(12, -1)});
+  EXPECT_TRUE(keeper.step(given_ego_motion(kDt_s, 0.0, std::numeric_limits<double>::quiet_NaN(), 0.0), {}).empty());
 }
 
 TEST(TrackKeeper, RefusesOptionsOutOfRange) {
