@@ -7,14 +7,18 @@
 
 #include "flies/core/error.hpp"
 #include "flies/pipeline/detector.hpp"
+#include "flies/road/find_mount.hpp"
 #include "input.hpp"
 
 namespace {
 
-void run(const flies::GrayPair& images, const flies::StereoCamera& camera) {
+void run(const flies::GrayPair& images, flies::StereoCamera camera) {
   // The options are nested like the calls below; these are the values of the preset `default`.
   const flies::DetectorOptions options;
   const flies::RectifiedPair pair = images.view();
+
+  // 0. How does the camera stand? Few calibrations say; the road does.
+  camera.mount = flies::find_mount({&pair, 1}, camera).mount;
   const flies::Projection projection(camera);
 
   // 1. Where is the road? Calibrations know the camera's height and tilt only roughly.

@@ -167,6 +167,6 @@ void bind_camera(py::module_& module) {
         return pairs;
       },
       "left"_a, "right"_a,
-      "The images of two folders as pairs of paths in name order, in which numbers count as numbers; two files are\n"
-      "one pair. Raises InputError when they do not pair up.");
+      "The images of two folders as pairs of paths: by equal names, else by times that the names are, else in name\n"
+      "order, in which numbers count as numbers; two files are one pair. Raises InputError when they do not pair up.");
 }

@@ -21,11 +21,11 @@ using py::literals::operator""_a;
 namespace {
 
 constexpr const char* kMakeDoc =
-    "`preset`: \"default\" (works best) or \"paper\" (as published). `options`: a dict such as\n"
+    "`preset`: \"default\" (works best on roads), \"paper\" (as published), \"robot\" (low, over floors) or\n"
+    "\"handheld\" (carried, any height and tilt). `options`: a dict such as\n"
     "{\"evolve.flies\": 3000, \"threads\": 2}, names as `options()` lists them; `ego.` and `track.` are those of\n"
-    "following. `model` of people: a name that `flies info` lists or a file; None: the preset's; \"\": nobody is "
-    "looked\n"
-    "for. Raises InputError when the camera or an option is out of range.";
+    "following. `model` of people: a name that `flies info` lists or a file; None: the preset's;\n"
+    "\"\": nobody is looked for. Raises InputError when the camera or an option is out of range.";
 
 std::shared_ptr<const flies::PeopleClassifier> classifier_of(const std::string& preset,
                                                              const std::optional<std::string>& model) {

@@ -83,6 +83,7 @@ void bind_obstacle(py::module_& module) {
       .def_readonly("x_m", &Obstacle::x_m, "Forward, metres.")
       .def_readonly("y_m", &Obstacle::y_m, "To the left, metres.")
       .def_readonly("range_m", &Obstacle::range_m, "Horizontal distance, metres.")
+      .def_readonly("range_sd_m", &Obstacle::range_sd_m, "Standard deviation of the range, metres.")
       .def_readonly("width_m", &Obstacle::width_m, "Across the line of sight, metres.")
       .def_readonly("middle_offset_m", &Obstacle::middle_offset_m,
                     "Of the middle of its width from its position, across the line of sight, to the left, metres.")
@@ -103,6 +104,7 @@ void bind_pedestrian(py::module_& module) {
       .def_readonly("x_m", &Pedestrian::x_m, "Forward, metres.")
       .def_readonly("y_m", &Pedestrian::y_m, "To the left, metres.")
       .def_readonly("range_m", &Pedestrian::range_m, "Horizontal distance, metres.")
+      .def_readonly("range_sd_m", &Pedestrian::range_sd_m, "Standard deviation of the range, metres.")
       .def_readonly("height_m", &Pedestrian::height_m, "Head above feet, metres.")
       .def_readonly("probability", &Pedestrian::probability, "That this is a person, 0 to 1.")
       .def_readonly("box", &Pedestrian::box, "Tight around the person in the left image: an ImageBox.")

@@ -93,7 +93,7 @@ void bind_track(py::module_& module) {
 void bind_ego_motion(py::module_& module) {
   using flies::EgoMotion;
   py::class_<EgoMotion>(module, "EgoMotion", "How the camera moved over ground since the pair before.")
-      .def_readonly("is_known", &EgoMotion::is_known, "False: the first pair, or lost; all else is zero then.")
+      .def_readonly("is_known", &EgoMotion::is_known, "False: the first pair, or lost; velocities are zero then.")
       .def_readonly("dt_s", &EgoMotion::dt_s, "Time since the pair before, seconds.")
       .def_readonly("vx_mps", &EgoMotion::vx_mps, "Forward, metres a second.")
       .def_readonly("vy_mps", &EgoMotion::vy_mps, "To the left, metres a second.")

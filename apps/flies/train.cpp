@@ -21,6 +21,7 @@
 #include "flies/version.hpp"
 #include "shared/commands.hpp"
 #include "shared/notes.hpp"
+#include "shared/output_claims.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/standard_output.hpp"
 
@@ -161,9 +162,9 @@ void run_train(const TrainArguments& arguments) {
   const flies::TrainOptions options = options_of(arguments);
   const Texts about = parse_about(arguments.about);
   const std::string name = model_name(arguments);
-  if (arguments.report == arguments.out)
-    throw flies::InputError("command line", "--report",
-                            fmt::format("found '{}', which --out names as well", arguments.report));
+  OutputClaims claims;
+  claims.writes(arguments.out, "--out");
+  claims.writes(arguments.report, "--report");
   // Opened first, so that a place that cannot be written shows before the work.
   flies::OutputFile out(arguments.out);
   std::optional<flies::OutputFile> report;

@@ -18,6 +18,7 @@
 #include "shared/end_on_signal.hpp"
 #include "shared/exit_status.hpp"
 #include "shared/notes.hpp"
+#include "shared/output_claims.hpp"
 #include "shared/standard_output.hpp"
 #include "training.hpp"
 
@@ -111,8 +112,10 @@ void check(const flies::NetworkArguments& arguments) {
     refuse("--all", "keeps nothing apart to calibrate by, expected --calibration-of with it");
   if (!arguments.report.empty() && (!has_pictures || !arguments.folders.keep_apart))
     refuse("--report", "tells of pictures kept apart, expected --people and no --all");
-  if (!arguments.report.empty() && arguments.report == arguments.out)
-    refuse("--report", fmt::format("found '{}', which --out names as well", arguments.report));
+  OutputClaims claims;
+  for (const auto& model : {arguments.first, arguments.calibration_of, arguments.network_of}) claims.reads(model);
+  claims.writes(arguments.out, "--out");
+  claims.writes(arguments.report, "--report");
 }
 
 std::string unexpected(const CLI::App& app) {

@@ -3,14 +3,14 @@
 #include <fmt/format.h>
 #include <torch/version.h>
 
-#include <fstream>
-#include <sstream>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/output_file.hpp"
+#include "flies/io/text_file.hpp"
 #include "flies/train/fingerprint.hpp"
 
 namespace flies {
@@ -22,20 +22,12 @@ constexpr const char* kStateFile = "network.state";
 /// First line of a state. Then come the training's fingerprint, that of the bytes that follow, and these.
 constexpr std::string_view kFormat = "flies network training 1\n";
 constexpr std::size_t kDigits = 16;
+constexpr std::size_t kMaxState_bytes = std::size_t{1} << 30;  // states have some megabytes
 
 std::string fingerprint_of_bytes(std::string_view bytes) {
   Fingerprint fingerprint;
   fingerprint.add(bytes);
   return fingerprint.text();
-}
-
-/// @throws InputError when it cannot be read
-std::string bytes_of(const fs::path& file) {
-  const std::ifstream stream(file, std::ios::binary);
-  if (!stream.is_open()) throw InputError(file.string(), "", "cannot be read");
-  std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  return bytes.str();
 }
 
 }  // namespace
@@ -62,10 +54,10 @@ NetworkCheckpoint::NetworkCheckpoint(fs::path folder, std::string fingerprint)
     : folder_(std::move(folder)), file_(folder_ / kStateFile), fingerprint_(std::move(fingerprint)) {}
 
 void NetworkCheckpoint::restore(Learning& learning) const {
-  if (!fs::exists(file_)) return;
+  if (!detail::is_there(file_)) return;
   const InputError damaged(file_.string(), "",
                            "is damaged, expected the state of a training; remove it to start again");
-  const std::string text = bytes_of(file_);
+  const std::string text = read_bytes(file_.string(), kMaxState_bytes);
   constexpr std::size_t kHead = kFormat.size() + 2 * (kDigits + 1);
   if (text.size() < kHead || !text.starts_with(kFormat)) throw damaged;
   const std::string_view rest = std::string_view(text).substr(kFormat.size());

@@ -4,15 +4,15 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <sstream>
-#include <system_error>
 
 #include "flies/classify/resample.hpp"
 #include "flies/core/error.hpp"
 #include "flies/eval/dataset.hpp"
 #include "flies/eval/people.hpp"
 #include "flies/eval/text.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/images.hpp"
+#include "flies/train/picture_labels.hpp"
 #include "flies/train/samples.hpp"
 #include "flies/train/training_picture.hpp"
 
@@ -37,30 +37,18 @@ bool is_whole(const ImageBox& box, const GrayImage& image) {
 
 /// KITTI text with unknown occlusion as -1.
 void read_labels(const fs::path& file, Picture& picture) {
-  std::istringstream stream{detail::read_truth(file.string())};
-  for (std::string line; std::getline(stream, line);) {
-    std::istringstream words{line};
-    std::string type;
-    double truncation = 0.0, occlusion = 0.0, alpha = 0.0, left = 0.0, top = 0.0, right = 0.0, bottom = 0.0;
-    if (!(words >> type >> truncation >> occlusion >> alpha >> left >> top >> right >> bottom)) continue;
-    const ImageBox box{left, top, right - left, bottom - top};
-    if (type == "Pedestrian" && box.height_px >= kMinPerson_px && truncation <= 0.1 && occlusion <= 1.0 &&
-        is_whole(box, picture.image) && box.width_px < kMaxAspect * box.height_px &&
-        box.width_px > kMinAspect * box.height_px)
-      picture.people.push_back(box);
-    else if (type == "Pedestrian" || type == "DontCare" || type == "Cyclist" || type == "Person_sitting")
-      picture.unclear.push_back(box);
+  for (const auto& label : parse_kitti_people(detail::read_truth(file.string()), file.string())) {
+    const ImageBox& box = label.box;
+    const bool is_clear = label.is_person && box.height_px >= kMinPerson_px && label.truncation <= 0.1 &&
+                          label.occlusion <= 1.0 && is_whole(box, picture.image) &&
+                          box.width_px < kMaxAspect * box.height_px && box.width_px > kMinAspect * box.height_px;
+    (is_clear ? picture.people : picture.unclear).push_back(box);
   }
 }
 
 std::vector<Picture> street_pictures(const fs::path& folder, bool has_background) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder / "images", error)) files.push_back(entry.path());
-  if (error) throw InputError((folder / "images").string(), "", "cannot be read: " + error.message());
-  std::sort(files.begin(), files.end());
   std::vector<Picture> pictures;
-  for (const auto& file : files) {
+  for (const auto& file : detail::files_of(folder / "images")) {
     Picture picture;
     picture.name = file.stem().string();
     picture.image = load_gray_image(file.string());
@@ -166,9 +154,13 @@ NetworkData load_network_data(const DataFolders& folders) {
   append(data.learnt, loaded(find_pictures_of_people(crops, kPersonShare)));
   const std::vector<std::string> empty = {(people / "train/negatives").string()};
   auto background = loaded(find_background(empty));
-  const HoldOut parts = split_in_runs(background.size(), folders.keep_apart ? 0.2 : 0.0);
-  for (const auto i : parts.learnt) data.learnt.push_back(std::move(background[i]));
-  for (const auto i : parts.kept_apart) data.kept_apart.push_back(std::move(background[i]));
+  if (folders.keep_apart) {
+    const HoldOut parts = split_in_runs(background.size(), 0.2);
+    for (const auto i : parts.learnt) data.learnt.push_back(std::move(background[i]));
+    for (const auto i : parts.kept_apart) data.kept_apart.push_back(std::move(background[i]));
+  } else {
+    append(data.learnt, std::move(background));
+  }
   DetectorOptions options;
   options.propose.min_person_px = 40.0;
   auto pairs = loaded(find_proposals(folders.stereo, options));

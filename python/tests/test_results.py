@@ -20,7 +20,7 @@ def test_obstacles_are_those_of_the_program(street, pair, camera):
     line = program_line(street, "detect", "left/000000.png", "right/000000.png", "--self-rectify", "off")[0]
     assert len(found.obstacles) == len(line["obstacles"]) > 3
     for obstacle, expected in zip(found.obstacles, line["obstacles"]):
-        for name in ("x_m", "y_m", "range_m", "width_m", "depth_m", "height_m"):
+        for name in ("x_m", "y_m", "range_m", "range_sd_m", "width_m", "depth_m", "height_m"):
             assert getattr(obstacle, name) == pytest.approx(expected[name], abs=0.0006)
         assert obstacle.box.u_px == pytest.approx(expected["box"]["u_px"], abs=0.006)
     assert len(found.pedestrians) == len(line["pedestrians"])

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -58,16 +59,41 @@ TEST_P(OneBadPair, CostsThatPairWhenItsPicturesAreUnrelated) {
   expect_the_others(name("r"));
 }
 
+TEST_P(OneBadPair, CostsThatPairWhenItIsALoopOfLinks) {
+  const fs::path file = folder_.path() / name("l");
+  fs::remove(file);
+  fs::create_symlink(file.filename(), file);
+  expect_the_others(name("l"));
+}
+
 INSTANTIATE_TEST_SUITE_P(Place, OneBadPair, ::testing::Values(0, 1, 2));
 
-TEST(BadInputs, FoldersWithoutAGoodPairLeaveNothing) {
+TEST(BadInputs, PipesAmongImagesArePassedOver) {
+  const TestFolder folder;
+  write_street(folder.path());
+  write_folders(folder.path(), 1, 1);
+  ASSERT_EQ(::mkfifo((folder.path() / "l/zz.png").c_str(), 0600), 0);
+  const RunResult result = run_flies(folder.path(), detect({"--camera-height", "1.65"}, "l", "r"));
+  EXPECT_EQ(result.status, 0) << result.err;
+}
+
+TEST(BadInputs, FoldersWithoutAGoodPairKeepTheLinesThatSayWhy) {
+  const TestFolder folder;
+  write_street(folder.path());
+  write_folders(folder.path(), 2, 2);
+  const RunResult result = run_flies(folder.path(), detect({}, "r", "l"));
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, ::testing::HasSubstr("no pair could be used"));
+  const auto records = lines(read_text(folder.path() / "out.jsonl"));
+  ASSERT_EQ(records.size(), 2u);
+  for (const auto& record : records) EXPECT_TRUE(nlohmann::json::parse(record).contains("error")) << record;
+}
+
+TEST(BadInputs, FoldersWithoutAReadablePairLeaveNothing) {
   const TestFolder folder;
   write_street(folder.path());
   write_folders(folder.path(), 2, 2);
   const auto before = folder.listing();
-  const RunResult swapped = run_flies(folder.path(), detect({}, "r", "l"));
-  EXPECT_EQ(swapped.status, 2);
-  EXPECT_THAT(swapped.err, ::testing::HasSubstr("no pair could be used"));
   for (const char* pair : {"0.png", "1.png"}) keep_first_bytes(folder.path() / "l" / pair, 0.3);
   EXPECT_EQ(run_flies(folder.path(), detect({}, "l", "r")).status, 2);
   EXPECT_EQ(folder.listing(), before);

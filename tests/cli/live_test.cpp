@@ -281,6 +281,8 @@ TEST_F(LiveCommand, FaultsAreToldInOneLine) {
       {{"beside.avi", "--calib", "calib.txt", "--record", "beside.avi"}, "--record: this file is already an input"},
       {{"beside.avi", "--calib", "calib.txt", "--json", "f", "--record", "f"}, "f: --record: this file is already"},
       {{"left", "beside.avi", "--calib", "calib.txt"}, "beside.avi"},
+      {{"videotestsrc ! " + std::string(300, 'x'), "--calib", "calib.txt"}, "videotestsrc ! xxx"},
+      {{"beside.avi", "--calib", std::string(300, 'x')}, "does not exist"},
   };
   for (const auto& [words, expected] : faults) {
     const RunResult result = run(words);
@@ -288,6 +290,19 @@ TEST_F(LiveCommand, FaultsAreToldInOneLine) {
     EXPECT_THAT(lines(result.err), SizeIs(1));
     EXPECT_THAT(result.err, HasSubstr(expected));
   }
+}
+
+TEST_F(LiveCommand, SourceThatEndsWithoutAPairIsAFault) {
+  const RunResult result = run({"left", "left", "--calib", "calib.txt", "--every-pair", "--json", "-"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(lines(result.err).back(), HasSubstr("the source ended without a pair; broken pictures: 8"));
+}
+
+TEST_F(LiveCommand, CountsOnePairInTheSingular) {
+  const RunResult result = run({"beside.avi", "--calib", "calib.txt", "--pairs", "1", "--json", "-"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(lines(result.err).back(), HasSubstr("flies: 1 pair, "));
 }
 
 TEST_F(LiveCommand, FullDiskEndsTheRun) {

@@ -74,6 +74,20 @@ TEST_F(Paste, RepeatsItselfFromItsSceneFile) {
   EXPECT_NE(right("one"), right("other"));
 }
 
+TEST_F(Paste, LeavesNothingOfAnotherKindOfScene) {
+  ASSERT_EQ(run("synth out --sequence --frames 2 --people 0 --width_px 320 --height_px 96 --focal_px 180 "
+                "--samples_per_side 1")
+                .status,
+            0);
+  ASSERT_TRUE(fs::exists(folder.path() / "out/times.txt"));
+  ASSERT_EQ(run("synth out --paste people --onto streets --force").status, 0);
+  EXPECT_FALSE(fs::exists(folder.path() / "out/times.txt"));
+  fs::create_directory(folder.path() / "out/calib");
+  ASSERT_EQ(
+      run("synth out --force --people 0 --width_px 320 --height_px 96 --focal_px 180 --samples_per_side 1").status, 0);
+  EXPECT_FALSE(fs::exists(folder.path() / "out/calib"));
+}
+
 TEST_F(Paste, RefusesWhatItCannotDoInOneLine) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"--paste people", "--onto"},

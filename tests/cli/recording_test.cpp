@@ -25,6 +25,7 @@ struct Topics {
   std::string left = "/rig/left/image_raw", right = "/rig/right/image_raw";
   bool has_camera_info = true;
   std::string encoding = "mono8";
+  bool has_left_twice = false;  ///< the left camera gives another picture 3 ms after each
 };
 
 std::string pixels_of(const cv::Mat& image) { return {reinterpret_cast<const char*>(image.data), image.total()}; }
@@ -46,6 +47,7 @@ void write_bag(const std::filesystem::path& path, const Topics& topics = {}) {
     };
     image(0, left, time_ns);
     image(1, right, time_ns + 1'000'000U);
+    if (topics.has_left_twice) image(0, left, time_ns + 3'000'000U);
     for (const std::uint32_t connection : {2U, 3U}) {
       if (!topics.has_camera_info) break;
       const double shift = connection == 2 ? 0.0 : -camera.fx_px * camera.baseline_m;
@@ -89,6 +91,15 @@ TEST(Bags, TopicsMayBeNamed) {
   const RunResult wrong = track(folder, {"--topics", "/rig/left/a,/rig/right/c"});
   EXPECT_EQ(wrong.status, 2);
   EXPECT_THAT(wrong.err, AllOf(HasSubstr("no pictures in '/rig/right/c'"), HasSubstr("/rig/right/b (3)")));
+}
+
+TEST(Bags, NoPictureIsInTwoPairs) {
+  const TestFolder folder;
+  write_bag(folder.path() / "drive.bag", {.has_left_twice = true});
+  const RunResult result = track(folder, {});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(lines(result.out).size(), static_cast<std::size_t>(kPairs));
+  EXPECT_THAT(result.err, HasSubstr("3 pictures of /rig/left/image_raw have no partner"));
 }
 
 TEST(Bags, WhatIsMissingIsNamed) {

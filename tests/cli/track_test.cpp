@@ -1,11 +1,17 @@
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "run_flies.hpp"
@@ -98,6 +104,51 @@ TEST_F(TrackCommand, WritesKittisTrackingFormat) {
   const auto text = lines(read_text(folder.path() / "tracks.txt"));
   ASSERT_FALSE(text.empty());
   for (const auto& line : text) EXPECT_EQ(std::count(line.begin(), line.end(), ' '), 17) << line;
+}
+
+TEST_F(TrackCommand, PlacesOfKittisFormatPitchWithTheCamera) {
+  const auto first_place = [&](const std::string& pitch_deg) {
+    const RunResult result = run({"--calib", "calib.txt", "--rate", "10", "--kitti", "-", "--camera-pitch", pitch_deg});
+    EXPECT_EQ(result.status, 0) << result.err;
+    std::istringstream words(lines(result.out).at(0));
+    std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
+    return std::pair(std::stod(fields.at(14)), std::stod(fields.at(15)));  // down, forward
+  };
+  EXPECT_NEAR(first_place("0").first, 1.65, 0.01);
+  const auto [down_m, forward_m] = first_place("2");
+  const double pitch_rad = 2.0 * std::acos(-1.0) / 180.0;
+  // The foot of what stands there is 1.65 m below the camera, by its own pitch.
+  EXPECT_NEAR(down_m * std::cos(pitch_rad) + forward_m * std::sin(pitch_rad), 1.65, 0.02);
+}
+
+TEST_F(TrackCommand, RefusesAFileThatAnotherRunWrites) {
+  write_text(folder.path() / "t.jsonl", "a line of another run\n");
+  const int other = ::open((folder.path() / "t.jsonl").c_str(), O_WRONLY | O_CLOEXEC);
+  ASSERT_EQ(::flock(other, LOCK_EX), 0);
+  const RunResult result = run({"--calib", "calib.txt", "--rate", "10", "--json", "t.jsonl"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(lines(result.err).back(), HasSubstr("t.jsonl: another run is writing it"));
+  EXPECT_EQ(read_text(folder.path() / "t.jsonl"), "a line of another run\n");
+  ::close(other);
+  EXPECT_EQ(run({"--calib", "calib.txt", "--rate", "10", "--json", "t.jsonl"}).status, 0);
+  EXPECT_EQ(lines(read_text(folder.path() / "t.jsonl")).size(), 3U) << "emptied first";
+}
+
+TEST_F(TrackCommand, FilmThatDidNotFitOnTheDiskIsAFault) {
+  const Words words = {"track", "left", "right", "--calib", "calib.txt", "--rate", "10", "--video", "t.mp4"};
+  const auto before = folder.listing();
+  const RunResult result = run_flies(folder.path(), words, "ulimit -f 4;");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(lines(result.err).back(), HasSubstr("t.mp4: cannot be written: 0 of 3 pictures"));
+  EXPECT_EQ(folder.listing(), before);
+}
+
+TEST_F(TrackCommand, NamesLoopsOfLinks) {
+  fs::create_symlink("loop", folder.path() / "loop");
+  const RunResult drive = run_flies(folder.path(), {"track", "loop"});
+  EXPECT_EQ(drive.status, 2);
+  EXPECT_THAT(drive.err, HasSubstr("loop"));
+  EXPECT_EQ(lines(drive.err).size(), 1U) << drive.err;
 }
 
 TEST(TrackADrawnSequence, FollowsAndMeasuresIt) {

@@ -69,6 +69,14 @@ struct TrainNetwork : ::testing::Test {
   TestFolder folder;
 };
 
+TEST_F(TrainNetwork, NamesLabelLinesThatCannotBeRead) {
+  const fs::path label = folder.path() / "people/pictures/label_2/kitti_000003.txt";
+  write_text(label, "Pedestrian 0 0 0 90 50 20 150 -1 -1 -1 -1000 -1000 -1000 -10\n");
+  expect_refused(train({"--out", "net.json"}), "kitti_000003.txt: line 1: found the box 90 50 20 150");
+  write_text(label, "Pedestrian 0 0 0 x\n");
+  expect_refused(train({"--out", "net.json"}), "kitti_000003.txt: line 1: found 5 fields");
+}
+
 TEST_F(TrainNetwork, WritesAModelAndAReport) {
   const RunResult result = run_flies(folder.path(), train({"--out", "net.json", "--report", "net.html"}));
   ASSERT_EQ(result.status, 0) << result.err;
@@ -186,7 +194,7 @@ TEST_F(TrainNetwork, NamesAFaultAndLeavesNothingBehind) {
       {train({"--out", "net.json", "--all"}), "--all: keeps nothing apart to calibrate by"},
       {train({"--out", "net.json", "--all", "--calibration-of", "flies-48x96-network", "--report", "a.html"}),
        "--report: tells of pictures kept apart"},
-      {train({"--out", "net.json", "--report", "net.json"}), "which --out names as well"},
+      {train({"--out", "net.json", "--report", "net.json"}), "this file is already the output of --out"},
       {train({"--out", "no/such/net.json"}), "no/such/net.json"},
       {train({"--out", "net.json", "--network-of", "flies-48x96"}), "flies-48x96: convolution: missing"},
       {{"--out", "net.json", "--network-of", "flies-48x96-network"}, "--network-of: expected --people or"},

@@ -51,6 +51,16 @@ std::string of_the_left(std::string topic) {
   return topic;
 }
 
+/// The entry whose time is nearest; of two the later one. There is one.
+template <class ByTime>
+typename ByTime::const_iterator nearest(const ByTime& entries, std::uint64_t time_ns) {
+  auto found = entries.lower_bound(time_ns);
+  if (found == entries.end() ||
+      (found != entries.begin() && time_ns - std::prev(found)->first < found->first - time_ns))
+    --found;
+  return found;
+}
+
 }  // namespace
 
 void Recording::read_calibration(const flies::RecordedMessage& message) {
@@ -160,15 +170,14 @@ void Recording::choose_topics(const std::optional<std::array<std::string, 2>>& t
   left_ = of_the_left(right_);
 }
 
+/// Two pictures are a pair when each is the nearest to the other, as images of two folders are.
 void Recording::pair_up() {
-  const Pictures& right = pictures_[right_];
-  for (const auto& [time_ns, place] : pictures_[left_]) {
-    auto nearest = right.lower_bound(time_ns);
-    if (nearest == right.end() ||
-        (nearest != right.begin() && time_ns - std::prev(nearest)->first < nearest->first - time_ns))
-      --nearest;
-    const std::uint64_t skew_ns = std::max(time_ns, nearest->first) - std::min(time_ns, nearest->first);
-    if (skew_ns <= kMaxSkew_ns) pairs_.push_back({time_ns, place, nearest->second});
+  const Pictures &left = pictures_[left_], &right = pictures_[right_];
+  for (const auto& [time_ns, place] : left) {
+    const auto& [right_ns, right_place] = *nearest(right, time_ns);
+    const std::uint64_t skew_ns = std::max(time_ns, right_ns) - std::min(time_ns, right_ns);
+    if (skew_ns <= kMaxSkew_ns && nearest(left, right_ns)->first == time_ns)
+      pairs_.push_back({time_ns, place, right_place});
   }
   if (pairs_.empty())
     throw flies::InputError(path_, "",

@@ -179,11 +179,11 @@ void run_detect(const DetectArguments& arguments) {
                   file_stem(left_path), arguments.outputs, is_single);
     progress.show(i + 1);
   }
-  if (faults.size() == pairs.size())
-    throw flies::InputError(arguments.images.left, "", "no pair could be used; the first: " + faults.front());
   if (json) json->commit();
   if (csv) csv->commit();
   if (scan) scan->commit();
+  if (faults.size() == pairs.size())
+    throw flies::InputError(arguments.images.left, "", "no pair could be used; the first: " + faults.front());
   if (is_single) say_notes(notes);
   if (!faults.empty())
     throw flies::InputError(arguments.images.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),

@@ -2,7 +2,6 @@
 #include <tbb/global_control.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "channels/channel_sinks.hpp"
 #include "channels/queued_sink.hpp"
 #include "flies/core/error.hpp"
+#include "flies/io/folder.hpp"
 #include "live/film_sink.hpp"
 #include "live/live_outputs.hpp"
 #include "live/live_run.hpp"
@@ -61,11 +61,9 @@ int port_number(const std::string& text, const std::string& option) {
   return static_cast<int>(port);
 }
 
-bool is_folder(const std::string& source) { return std::filesystem::is_directory(source); }
-
 /// Folders become lists of pairs with an even rate.
 void open_folders(LiveArguments& arguments) {
-  if (!is_folder(arguments.sources.front())) return;
+  if (!flies::detail::is_there_as_folder(arguments.sources.front())) return;
   SequenceRequest request;
   request.sources = arguments.sources;
   request.reading = arguments.stream.reading;
@@ -87,7 +85,7 @@ LiveRequest live_request(LiveArguments& arguments) {
   open_folders(arguments);
   if (arguments.calib.empty()) throw flies::InputError("command line", "--calib", "is missing, expected a file");
   // Before a camera is opened, which takes a while.
-  if (!std::filesystem::exists(arguments.calib)) throw flies::InputError(arguments.calib, "", "does not exist");
+  if (!flies::detail::is_there(arguments.calib)) throw flies::InputError(arguments.calib, "", "does not exist");
   request.stream = arguments.stream;
   if (request.stream.folder.empty()) request.stream.sources = arguments.sources;
   if (arguments.size_px.size() == 2) {
@@ -233,8 +231,7 @@ void add_source_options(CLI::App& command, LiveArguments& arguments) {
                 *split == flies::Split::top_bottom ? flies::PairLayout::top_bottom : flies::PairLayout::side_by_side;
           },
           "where the two pictures are in one source, or in each image of one folder: side (by side, left first; of "
-          "films "
-          "and cameras also when not given) or top (and bottom, left on top)")
+          "films and cameras also when not given) or top (and bottom, left on top)")
       ->type_name("HOW");
   command
       .add_option_function<std::string>(

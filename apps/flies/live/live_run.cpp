@@ -97,7 +97,8 @@ void LiveRun::calibrate(const flies::StereoFrame& frame) {
 }
 
 /// Reads what it takes to know calibration and rows.
-/// @returns false when the source gave nothing
+/// @returns false when the run was ended before there was a pair
+/// @throws flies::InputError when the source ended without one
 bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
   flies::StereoFrame frame;
   const std::size_t most =
@@ -107,7 +108,14 @@ bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
     if (first.empty()) calibrate(frame);
     first.push_back(std::move(frame));
   }
-  if (first.empty()) return false;
+  if (first.empty()) {
+    if (is_end_requested()) return false;
+    const auto& folder = request_.stream.folder;
+    const auto counts = stream_->counts();
+    throw flies::InputError(folder.empty() ? request_.stream.sources.front() : folder.front().left, "",
+                            fmt::format("the source ended without a pair; broken pictures: {}, without a partner: {}",
+                                        counts.broken, counts.unpaired));
+  }
   std::vector<flies::GrayPair> sample;
   for (const auto& one : first)
     sample.push_back(calibration_->rectifier ? calibration_->rectifier->rectify(one.images) : one.images);

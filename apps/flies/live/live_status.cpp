@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
 
 #include "shared/notes.hpp"
 
 namespace {
 
-constexpr std::size_t kLatencies = 1000;
 constexpr double kShowEvery_s = 0.25;
 
 }  // namespace
@@ -24,10 +22,7 @@ void LiveStatus::take(const LiveFrame& frame) {
     start_ = shown_ = now;
     first_number_ = frame.pair->number;
   }
-  if (latencies_ms_.size() < kLatencies)
-    latencies_ms_.push_back(frame.snapshot->latency_ms);
-  else
-    latencies_ms_[pairs_ % kLatencies] = frame.snapshot->latency_ms;
+  latencies_.add(frame.snapshot->latency_ms);
   last_number_ = frame.pair->number;
   dropped_ = last_number_ - first_number_ + 1 - pairs_;
   if (!is_visible_ || std::chrono::duration<double>(now - shown_).count() < kShowEvery_s) return;
@@ -38,11 +33,9 @@ void LiveStatus::take(const LiveFrame& frame) {
 std::string LiveStatus::text() const {
   if (pairs_ == 0) return "no pair";
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-  auto sorted = latencies_ms_;
-  std::ranges::sort(sorted);
   const double rate = pairs_ > 1 && elapsed.count() > 0.0 ? static_cast<double>(pairs_ - 1) / elapsed.count() : 0.0;
-  return fmt::format("{} pairs, {:.1f} a second; latency {:.1f} ms, p99 {:.1f} ms; {} dropped", pairs_, rate,
-                     sorted[sorted.size() / 2], sorted[sorted.size() * 99 / 100], dropped_);
+  return fmt::format("{} {}, {:.1f} a second; {}; {} dropped", pairs_, pairs_ == 1 ? "pair" : "pairs", rate,
+                     latencies_.text(), dropped_);
 }
 
 void LiveStatus::finish(const flies::PairStreamCounts& source) const {

@@ -3,10 +3,10 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "flies/video/pair_stream.hpp"
 #include "live/live_frame.hpp"
+#include "shared/latencies.hpp"
 
 /// Rates and latencies of a living source: on a terminal a line that is written over, and at the end one that stays.
 class LiveStatus final : public LiveSink {
@@ -23,6 +23,6 @@ class LiveStatus final : public LiveSink {
 
   bool is_visible_;
   std::chrono::steady_clock::time_point start_, shown_;
-  std::vector<double> latencies_ms_;  ///< of the newest pairs
+  Latencies latencies_;
   std::uint64_t pairs_ = 0, dropped_ = 0, first_number_ = 0, last_number_ = 0;
 };

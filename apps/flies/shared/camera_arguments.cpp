@@ -48,7 +48,7 @@ void add_cameras_option(CLI::App& command, CameraArguments& arguments, const std
   command.add_option("--cameras", arguments.cameras, meaning)
       ->delimiter(',')
       ->expected(2)
-      ->check(CLI::Range(0, 3).description(""))
+      ->check(CLI::Range(0, 255).description(""))
       ->type_name("L,R");
 }
 

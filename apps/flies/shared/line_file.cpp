@@ -1,6 +1,8 @@
 #include "shared/line_file.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -15,12 +17,32 @@ namespace {
                           std::string("cannot write: ") + std::strerror(error_number));
 }
 
+bool is_regular(int descriptor) {
+  struct stat status {};
+  return ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+/// Locks the file until it is closed, and empties it. File systems without locks do without.
+void take(int descriptor, const std::string& path) {
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    throw flies::InputError(path, "", "another run is writing it, expected a file of its own for each run");
+  if (::ftruncate(descriptor, 0) != 0) fail(path, errno);
+}
+
 }  // namespace
 
 LineFile::LineFile(const std::string& path) : path_(path) {
   if (path.empty()) throw flies::InputError("output", "file name", "is empty");
-  descriptor_ = path == "-" ? STDOUT_FILENO : ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  // Emptied only once it is ours: another run may be writing it.
+  descriptor_ = path == "-" ? STDOUT_FILENO : ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor_ < 0) fail(path_, errno);
+  if (path == "-" || !is_regular(descriptor_)) return;
+  try {
+    take(descriptor_, path_);
+  } catch (...) {
+    ::close(descriptor_);
+    throw;
+  }
 }
 
 LineFile::~LineFile() {

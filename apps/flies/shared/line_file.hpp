@@ -3,10 +3,10 @@
 #include <string>
 
 /// A file that grows line by line under its own name, for readers that follow it: every line is handed over whole, so
-/// that whatever ends the program leaves whole lines. "-" is standard output.
+/// that whatever ends the program leaves whole lines. Only one run at a time may write it. "-" is standard output.
 class LineFile {
  public:
-  /// @throws flies::InputError naming the file when it cannot be created
+  /// @throws flies::InputError naming the file when it cannot be created, or another run is writing it
   explicit LineFile(const std::string& path);
   ~LineFile();
   LineFile(const LineFile&) = delete;

@@ -129,8 +129,7 @@ RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibra
     run.correction = run.diagnosis.rows;
     run.notes.push_back(fmt::format(
         "rows of the right image lie {:+.1f} px lower than those of the left one ({:+.1f} and {:+.1f} px at the "
-        "sides): "
-        "made up for; calibrate again, or --self-rectify off",
+        "sides): made up for; calibrate again, or --self-rectify off",
         run.correction->offset_px, run.correction->at(0.0), run.correction->at(2.0 * run.correction->middle_u_px)));
     for (auto& images : sample) run.correct(images);
     run.diagnosis = diagnose_now();

@@ -10,6 +10,7 @@
 
 #include "channels/recording.hpp"
 #include "flies/core/error.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/image_names.hpp"
 #include "flies/io/images.hpp"
 #include "flies/io/pair_matching.hpp"
@@ -25,14 +26,15 @@ fs::path camera_folder(const fs::path& drive, int camera) { return drive / fmt::
 
 std::array<int, 2> cameras_of(const fs::path& drive, const SequenceRequest& request) {
   if (request.cameras) return *request.cameras;
-  return fs::exists(camera_folder(drive, 0)) && fs::exists(camera_folder(drive, 1)) ? std::array{0, 1}
-                                                                                    : std::array{2, 3};
+  return flies::detail::is_there(camera_folder(drive, 0)) && flies::detail::is_there(camera_folder(drive, 1))
+             ? std::array{0, 1}
+             : std::array{2, 3};
 }
 
 /// What `flies synth --sequence` makes.
 bool is_drawn(const fs::path& folder) {
-  return fs::is_directory(folder / "left") && fs::is_directory(folder / "right") && fs::exists(folder / "times.txt") &&
-         fs::exists(folder / "calib.yaml");
+  return flies::detail::is_there_as_folder(folder / "left") && flies::detail::is_there_as_folder(folder / "right") &&
+         flies::detail::is_there(folder / "times.txt") && flies::detail::is_there(folder / "calib.yaml");
 }
 
 std::vector<std::string> left_images(const std::vector<flies::PairPaths>& pairs) {
@@ -116,7 +118,7 @@ std::optional<std::vector<double>> named_times(const std::vector<flies::PairPath
 }
 
 bool is_recording(const std::string& source) {
-  return (source.ends_with(".mcap") || source.ends_with(".bag")) && !fs::is_directory(source);
+  return (source.ends_with(".mcap") || source.ends_with(".bag")) && !flies::detail::is_there_as_folder(source);
 }
 
 void open_recording(SequenceSource& source, const std::string& path,
@@ -165,8 +167,8 @@ SequenceSource open_sequence(const SequenceRequest& request) {
   } else if (request.sources.size() == 1) {
     const fs::path drive = request.sources[0];
     const auto [left, right] = cameras_of(drive, request);
-    if (!fs::is_directory(camera_folder(drive, left) / "data") ||
-        !fs::is_directory(camera_folder(drive, right) / "data"))
+    if (!flies::detail::is_there_as_folder(camera_folder(drive, left) / "data") ||
+        !flies::detail::is_there_as_folder(camera_folder(drive, right) / "data"))
       throw flies::InputError(request.sources[0], "",
                               "is no KITTI raw drive (image_00/data and image_01/data), no folder of flies synth "
                               "--sequence and no recording (.mcap, .bag), expected one, or two folders");
@@ -187,7 +189,7 @@ SequenceSource open_sequence(const SequenceRequest& request) {
     source.times_s = even_times(source.pairs, *request.rate_hz, source.notes);
   } else if (source.recording) {
     // has its own
-  } else if (!own_times.empty() && fs::exists(own_times)) {
+  } else if (!own_times.empty() && flies::detail::is_there(own_times)) {
     source.times_s = times_of(own_times, source.pairs, source.notes);
   } else if (auto times_s = named_times(source.pairs)) {
     source.times_s = std::move(*times_s);

@@ -132,14 +132,16 @@ void write_times(const StagedFolder& folder, const Scenes& scenes, int frames) {
   flies::write_file(folder.path("times.txt"), text);
 }
 
+/// All that any kind of scene writes: what one leaves out must not stay of another that stood in the folder.
+const std::vector<std::string> kEntries = {"left",  "right",      "disparity",  "label_2",  "truth",
+                                           "calib", "calib.yaml", "scene.yaml", "times.txt"};
+
 void run_synth(const SynthArguments& arguments) {
   const flies::SceneOptions options = effective_options(arguments);
   const flies::StereoCamera camera = flies::synthetic_camera(options);
   const int frames = frames_of(arguments);
   const Scenes scenes(options, arguments);
-  StagedFolder folder(arguments.folder,
-                      {"left", "right", "disparity", "label_2", "truth", "calib.yaml", "scene.yaml", "times.txt"},
-                      arguments.force);
+  StagedFolder folder(arguments.folder, kEntries, arguments.force);
   std::size_t obstacles = 0, people = 0;
   {
     ProgressBar progress(static_cast<std::size_t>(frames));
@@ -167,9 +169,7 @@ void run_paste(const SynthArguments& arguments) {
   const auto options = with_settings(flies::PasteOptions{}, arguments);
   PastedPairs pairs(arguments.paste, arguments.onto, options);
   const auto frames = pairs.choose(arguments.start, arguments.step, arguments.frames);
-  StagedFolder folder(arguments.folder,
-                      {"left", "right", "disparity", "label_2", "truth", "calib", "calib.yaml", "scene.yaml"},
-                      arguments.force);
+  StagedFolder folder(arguments.folder, kEntries, arguments.force);
   {
     ProgressBar progress(frames.size());
     for (std::size_t i = 0; i < frames.size(); ++i) {

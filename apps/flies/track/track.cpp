@@ -2,7 +2,6 @@
 #include <tbb/global_control.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -22,6 +21,7 @@
 #include "flies/video/film.hpp"
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
+#include "shared/latencies.hpp"
 #include "shared/line_file.hpp"
 #include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
@@ -65,29 +65,28 @@ class StatusLine {
   explicit StatusLine(bool is_wanted)
       : is_visible_(is_wanted && verbosity() != Verbosity::quiet && isatty(STDERR_FILENO) != 0) {}
   ~StatusLine() {
-    if (is_visible_ && !latencies_ms_.empty()) std::fprintf(stderr, "\r\033[K%s\n", text().c_str());
+    if (is_visible_ && pairs_ > 0) std::fprintf(stderr, "\r\033[K%s\n", text().c_str());
   }
   StatusLine(const StatusLine&) = delete;
   StatusLine& operator=(const StatusLine&) = delete;
 
   void show(double latency_ms) {
-    latencies_ms_.push_back(latency_ms);
+    ++pairs_;
+    latencies_.add(latency_ms);
     if (is_visible_) std::fprintf(stderr, "\r\033[K%s", text().c_str());
   }
 
  private:
   std::string text() const {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-    auto sorted = latencies_ms_;
-    std::sort(sorted.begin(), sorted.end());
-    return fmt::format("{} pairs, {:.1f} a second; latency {:.1f} ms, p99 {:.1f} ms; 0 dropped", sorted.size(),
-                       static_cast<double>(sorted.size()) / elapsed.count(), sorted[sorted.size() / 2],
-                       sorted[sorted.size() * 99 / 100]);
+    return fmt::format("{} {}, {:.1f} a second; {}; 0 dropped", pairs_, pairs_ == 1 ? "pair" : "pairs",
+                       static_cast<double>(pairs_) / elapsed.count(), latencies_.text());
   }
 
   bool is_visible_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  std::vector<double> latencies_ms_;
+  std::size_t pairs_ = 0;
+  Latencies latencies_;
 };
 
 /// The film of a run, in the time of its pairs.
@@ -198,8 +197,8 @@ void setup_track(CLI::App& app) {
   command
       ->add_option("SOURCE", arguments->sequence.sources,
                    "a recording (.mcap, .bag), a KITTI raw drive, a drawn sequence, or the folders of left and right "
-                   "images; with "
-                   "--split one folder")
+                   "images; "
+                   "with --split one folder")
       ->required()
       ->expected(1, 2);
   command->add_option("--calib", arguments->sequence.calib, "calibration; of a drive the one beside it, if not given")

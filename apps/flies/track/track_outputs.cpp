@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "flies/core/options.hpp"
+#include "flies/io/kitti_place.hpp"
 #include "flies/io/writers.hpp"
 
 namespace {
@@ -100,19 +101,21 @@ std::string track_json_line(const TrackedFrame& frame) {
   return object.dump(kOneLine, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-// Camera axes: x right, y down, z forward. Lengths and headings of what stands are not known: -1 and -10, as KITTI has
-// it.
+// The axes of the camera: x right, y down, z forward. Lengths and headings of what stands are not known: -1 and -10, as
+// KITTI has it. What is no longer before the camera has no line.
 std::string kitti_tracking_lines(const TrackedFrame& frame) {
   std::string lines;
   for (const auto& t : frame.tracking.tracks) {
-    const double heading = t.velocity.moving_probability > 0.5
-                               ? -std::atan2(t.velocity.vy_mps, t.velocity.vx_mps) - std::acos(0.0)
-                               : -10.0;
+    const auto foot = flies::kitti_place(frame.camera, {t.state.x_m, t.state.y_m, 0.0});
+    if (!foot) continue;
+    const double heading_rad = t.velocity.moving_probability > 0.5
+                                   ? flies::kitti_heading_rad(std::atan2(t.velocity.vy_mps, t.velocity.vx_mps))
+                                   : -10.0;
     lines += fmt::format(
         "{} {} {} -1 -1 -10 {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} -1 {:.2f} {:.2f} {:.2f} {:.2f} {:.4f}\n",
         frame.frame, t.id, t.kind == flies::TrackClass::person ? "Pedestrian" : "Misc", t.box.u_px, t.box.v_px,
-        t.box.u_px + t.box.width_px, t.box.v_px + t.box.height_px, t.height_m, t.width_m, -t.state.y_m,
-        frame.camera.mount.height_m, t.state.x_m, heading, t.probability);
+        t.box.u_px + t.box.width_px, t.box.v_px + t.box.height_px, t.height_m, t.width_m, foot->right_m, foot->down_m,
+        foot->forward_m, heading_rad, t.probability);
   }
   return lines;
 }

@@ -12,9 +12,9 @@ PeopleModel opencv_48x96();
 /// OpenCV's other people detector, 64 x 128 px, trained on INRIA data; needs taller people.
 PeopleModel opencv_64x128();
 
-/// Names of the models that need no file, the default first: `flies-48x96` (the shipped one), `flies-48x96-network`
-/// (with a network of convolutions as its second stage), `flies-48x96-linear` (a linear machine alone, as the paper has
-/// it), `opencv-48x96`, `opencv-64x128`.
+/// Names of the models that need no file, the default first: `flies-48x96-network` (with a network of convolutions as
+/// its second stage), `flies-48x96` (with a machine of kernels there), `flies-48x96-linear` (a linear machine alone, as
+/// the paper has it), `opencv-48x96`, `opencv-64x128`.
 std::span<const std::string_view> people_model_names();
 
 /// Finds a model by its name, or reads the file at this path.

@@ -12,8 +12,7 @@
 namespace flies {
 
 /// Flies as a laser scanner on the left camera would have measured them, from right to left: a sighting is one such
-/// measurement. A structure of arrays, in
-/// the precision of the flies themselves.
+/// measurement. A structure of arrays, in the precision of the flies themselves.
 struct Sightings {
   std::vector<std::uint32_t> fly;  ///< index into the population
   std::vector<float> tangent;      ///< of the azimuth, y / x; ascending

@@ -50,7 +50,7 @@ struct CornerMotion {
 /// How the camera moved from the pair before to this one. Velocities are over ground, averaged over that time, in the
 /// axes of the vehicle frame at this pair.
 struct EgoMotion {
-  bool is_known = false;              ///< false: the first pair, or lost; then all that follows is zero
+  bool is_known = false;              ///< false: the first pair, or lost; velocities are zero then
   double dt_s = 0.0;                  ///< time since the pair before
   RigidMotion current_from_previous;  ///< of points that stand still, vehicle frame
   double vx_mps = 0.0;                ///< forward

@@ -8,6 +8,7 @@
 #include "flies/core/error.hpp"
 #include "flies/eval/dataset_kinds.hpp"
 #include "flies/io/calibration.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/images.hpp"
 #include "flies/road/find_mount.hpp"
 
@@ -73,7 +74,7 @@ StereoCamera shared_camera(const fs::path& folder, const DatasetRequest& request
   constexpr const char* kCalibrationNames[] = {"calib.yaml", "calib.txt", "extrinsics.yml"};
   std::string file = request.calib;
   for (const char* name : kCalibrationNames)
-    if (file.empty() && fs::exists(folder / name)) file = (folder / name).string();
+    if (file.empty() && detail::is_there(folder / name)) file = (folder / name).string();
   if (file.empty()) throw InputError(folder.string(), "calib.yaml", "not found, give a calibration");
   CalibrationRequest wanted = calibration_request(request);
   wanted.width_px = first.left.width_px;
@@ -103,8 +104,8 @@ namespace {
 
 /// Recognises the kind.
 Dataset open_folder(const fs::path& folder, const DatasetRequest& request) {
-  if (!fs::is_directory(folder)) throw InputError(folder.string(), "", "is not a folder");
-  const auto has = [&](const char* name) { return fs::exists(folder / name); };
+  if (!detail::is_there_as_folder(folder)) throw InputError(folder.string(), "", "is not a folder");
+  const auto has = [&](const char* name) { return detail::is_there(folder / name); };
   // `flies synth` writes label_2 as well, so scenes are looked for first.
   if (has("truth") && has("left") && has("right")) return open_scenes(folder, request);
   if (has("label_2") && has("calib")) return open_kitti_object(folder, request);

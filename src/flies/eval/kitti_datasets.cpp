@@ -9,7 +9,7 @@
 #include "flies/eval/disparity_map.hpp"
 #include "flies/eval/kitti_motion.hpp"
 #include "flies/eval/kitti_truth.hpp"
-#include "flies/io/image_folder.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/pair_matching.hpp"
 
 namespace flies {
@@ -22,7 +22,7 @@ namespace {
 /// The laser triggers the cameras evenly, while the times of the GPS/IMU step by 10 ms: over all pairs both keep the
 /// same time, so even times are right.
 void add_motion(const fs::path& drive, Dataset& dataset) {
-  if (!fs::exists(drive / "oxts" / "timestamps.txt")) return;
+  if (!detail::is_there(drive / "oxts" / "timestamps.txt")) return;
   const auto motion = read_kitti_motion(drive);
   const std::size_t count = dataset.pairs.size();
   if (motion.size() < count || count < 2) return;
@@ -42,7 +42,8 @@ void add_motion(const fs::path& drive, Dataset& dataset) {
 
 Dataset open_kitti_drive(const fs::path& folder, const DatasetRequest& request) {
   refuse_calib(folder, request);
-  const bool has_grey = fs::is_directory(folder / "image_00") && fs::is_directory(folder / "image_01");
+  const bool has_grey =
+      detail::is_there_as_folder(folder / "image_00") && detail::is_there_as_folder(folder / "image_01");
   const auto cameras = request.cameras.value_or(has_grey ? std::array{0, 1} : std::array{2, 3});
   const auto images = [&](int camera) { return (folder / fmt::format("image_{:02}", camera) / "data").string(); };
   CalibrationRequest wanted = calibration_request(request);
@@ -71,9 +72,8 @@ Dataset open_kitti_object(const fs::path& folder, const DatasetRequest& request)
   refuse_calib(folder, request);
   refuse_cameras(folder, request);
   std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder / "label_2"))
-    if (entry.path().extension() == ".txt" && !detail::is_hidden(entry.path()))
-      names.insert(entry.path().stem().string());
+  for (const auto& file : detail::files_of(folder / "label_2"))
+    if (file.extension() == ".txt") names.insert(file.stem().string());
   if (names.empty()) throw InputError((folder / "label_2").string(), "", "holds no labels, expected .txt files");
   Dataset dataset{.kind = TruthKind::kitti_object};
   for (const auto& name : names)
@@ -108,9 +108,8 @@ Dataset open_kitti_object(const fs::path& folder, const DatasetRequest& request)
 Dataset open_kitti_stereo(const fs::path& folder, const DatasetRequest& request) {
   refuse_cameras(folder, request);
   std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder / "disp_noc"))
-    if (entry.path().extension() == ".png" && !detail::is_hidden(entry.path()))
-      names.insert(entry.path().stem().string());
+  for (const auto& file : detail::files_of(folder / "disp_noc"))
+    if (file.extension() == ".png") names.insert(file.stem().string());
   if (names.empty())
     throw InputError((folder / "disp_noc").string(), "", "holds no disparity maps, expected .png files");
   Dataset dataset{.kind = TruthKind::kitti_stereo};

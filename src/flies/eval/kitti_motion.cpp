@@ -8,6 +8,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/number_table.hpp"
 #include "flies/io/time_stamps.hpp"
 
@@ -41,7 +42,7 @@ std::vector<KittiMotion> read_kitti_motion(const std::filesystem::path& drive) {
   std::vector<KittiMotion> motions;
   for (std::size_t i = 0; i < times_s.size(); ++i) {
     const auto path = drive / "oxts" / "data" / fmt::format("{:010}.txt", i);
-    if (i > 0 && !std::filesystem::exists(path)) break;  // the beginning of a drive: its times are all there
+    if (i > 0 && !detail::is_there(path)) break;  // the beginning of a drive: its times are all there
     std::vector<double> values;
     for (const auto& line : detail::lines_of(detail::read_truth(path))) {
       std::istringstream words(line.content);

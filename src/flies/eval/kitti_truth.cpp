@@ -13,6 +13,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/image_folder.hpp"
 #include "flies/io/number_table.hpp"
 
@@ -77,7 +78,7 @@ LidarPlace read_object_place(const std::filesystem::path& file) {
 
 std::vector<LidarPoint> read_lidar(const std::filesystem::path& path, const LidarPlace& place,
                                    const StereoCamera& camera) {
-  if (!std::filesystem::exists(path)) return {};
+  if (!detail::is_there(path)) return {};
   const std::string bytes = detail::read_truth(path);
   constexpr std::size_t kRecord = 4 * sizeof(float);  // x y z reflectance
   if (bytes.size() % kRecord != 0) {
@@ -231,10 +232,10 @@ std::vector<FrameTruth> read_kitti_drive(const std::filesystem::path& drive, con
                                          int left_camera) {
   const KittiDrive truth(drive, camera, left_camera);
   const auto images = drive / fmt::format("image_{:02}", left_camera) / "data";
-  if (!std::filesystem::is_directory(images)) throw InputError(images.string(), "", "is not a folder");
+  if (!detail::is_there_as_folder(images)) throw InputError(images.string(), "", "is not a folder");
   std::set<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(images))
-    if (detail::is_image_name(entry.path())) names.insert(entry.path().stem().string());
+  for (const auto& file : detail::files_of(images))
+    if (detail::is_image_name(file)) names.insert(file.stem().string());
   std::vector<FrameTruth> frames;
   for (const auto& name : names) frames.push_back(truth.read(name));
   return frames;

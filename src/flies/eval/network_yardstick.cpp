@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/folder.hpp"
 
 namespace flies {
 namespace {
@@ -47,6 +48,13 @@ Configuration read_configuration(const std::string& cfg_file) {
   return found;
 }
 
+std::uintmax_t size_of(const std::string& file) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (error) throw InputError(file, "", "cannot be read: " + error.message());
+  return bytes;
+}
+
 /// OpenCV reads on beyond the end of a file that is too short for the network.
 void check_length(cv::dnn::Net& network, const std::string& weights_file, const std::string& cfg_file) {
   std::size_t numbers = 0;
@@ -55,7 +63,7 @@ void check_length(cv::dnn::Net& network, const std::string& weights_file, const 
     if (layer->type == "Region") continue;  // has anchors, which stand in the .cfg
     for (const auto& blob : layer->blobs) numbers += blob.total();
   }
-  const auto bytes = std::filesystem::file_size(weights_file), needed = numbers * sizeof(float);
+  const auto bytes = size_of(weights_file), needed = numbers * sizeof(float);
   if (bytes < needed)
     throw InputError(weights_file, "",
                      fmt::format("has {} bytes, and the network in {} needs at least {}: it is another network's, or "
@@ -78,10 +86,10 @@ NetworkSearch::NetworkSearch(const std::string& weights_file, const NetworkSearc
     throw InputError(weights_file, "",
                      "is no file of weights, expected one of Darknet's: NAME.weights beside NAME.cfg");
   for (const auto& file : {weights_file, cfg_file})
-    if (!std::filesystem::is_regular_file(file))
+    if (!detail::is_there(file))
       throw InputError(file, "", "is missing; a network of Darknet is NAME.weights beside NAME.cfg");
   // OpenCV does not ask whether there is a header.
-  if (constexpr std::size_t kHeader = 20; std::filesystem::file_size(weights_file) < kHeader)
+  if (constexpr std::size_t kHeader = 20; size_of(weights_file) < kHeader)
     throw InputError(weights_file, "", "is too short to be a file of weights");
   const Configuration configuration = read_configuration(cfg_file);
   if (configuration.classes > 0 && options.person_class >= configuration.classes)

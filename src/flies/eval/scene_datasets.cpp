@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -9,7 +10,7 @@
 #include "flies/eval/disparity_map.hpp"
 #include "flies/eval/foot_truth.hpp"
 #include "flies/eval/scene_truth.hpp"
-#include "flies/io/image_folder.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/pair_matching.hpp"
 
 namespace flies {
@@ -56,7 +57,7 @@ void add_moments(const fs::path& folder, Dataset& dataset) {
 std::function<StereoCamera(const std::string&)> camera_of_scenes(const fs::path& folder, const DatasetRequest& request,
                                                                  Dataset& dataset) {
   const fs::path calibrations = folder / "calib";
-  if (!request.calib.empty() || !fs::is_directory(calibrations))
+  if (!request.calib.empty() || !detail::is_there_as_folder(calibrations))
     return [camera = shared_camera(folder, request, dataset)](const std::string&) { return camera; };
   CalibrationRequest wanted = calibration_request(request);
   const auto calibration_of = [calibrations](const std::string& name, const CalibrationRequest& with) {
@@ -80,14 +81,13 @@ Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
   auto found = match_all((folder / "left").string(), (folder / "right").string());
   dataset.pairs = std::move(found.pairs);
   dataset.notes = std::move(found.notes);
-  std::size_t truths = 0;
-  for (const auto& entry : fs::directory_iterator(folder / "truth"))
-    truths += entry.path().extension() == ".json" && !detail::is_hidden(entry.path());
-  if (truths != dataset.pairs.size())
+  const auto truths = std::ranges::count_if(detail::files_of(folder / "truth"),
+                                            [](const fs::path& file) { return file.extension() == ".json"; });
+  if (static_cast<std::size_t>(truths) != dataset.pairs.size())
     throw InputError((folder / "truth").string(), "",
                      fmt::format("found {} JSON files, expected {}, one a pair", truths, dataset.pairs.size()));
   const auto camera_of = camera_of_scenes(folder, request, dataset);
-  if (fs::exists(folder / "times.txt")) add_moments(folder, dataset);
+  if (detail::is_there(folder / "times.txt")) add_moments(folder, dataset);
   dataset.load = [folder, camera_of, pairs = dataset.pairs](std::size_t i) {
     const std::string name = stem_of(pairs[i].left);
     StereoCamera camera = camera_of(name);
@@ -96,7 +96,7 @@ Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
     camera.height_px = frame.images.left.height_px;
     frame.camera = camera;
     frame.truth.frame = static_cast<int>(i);
-    if (const fs::path map = folder / "disparity" / (name + ".png"); fs::exists(map))
+    if (const fs::path map = folder / "disparity" / (name + ".png"); detail::is_there(map))
       frame.truth.map = read_disparity_map(map, camera);
     return frame;
   };
@@ -106,8 +106,8 @@ Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
 Dataset open_foot_points(const fs::path& folder, const DatasetRequest& request) {
   refuse_cameras(folder, request);
   std::set<fs::path> lefts;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().stem().string().ends_with("_0") && !detail::is_hidden(entry.path())) lefts.insert(entry.path());
+  for (const auto& file : detail::files_of(folder))
+    if (file.stem().string().ends_with("_0")) lefts.insert(file);
   if (lefts.empty()) throw InputError(folder.string(), "", "holds no left images, expected names that end in _0");
   Dataset dataset{.kind = TruthKind::foot_points, .is_sequence = true};
   for (const auto& left : lefts) {

@@ -8,6 +8,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/random.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/image_file.hpp"
 #include "flies/io/image_folder.hpp"
 #include "flies/io/images.hpp"
@@ -17,39 +18,31 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::vector<std::string> pictures_among(const std::vector<fs::path>& files) {
+  std::vector<std::string> pictures;
+  for (const auto& file : files)
+    if (detail::is_image_name(file)) pictures.push_back(file.string());
+  std::sort(pictures.begin(), pictures.end());
+  return pictures;
+}
+
 /// All pictures of a folder and those below it, in name order.
 std::vector<std::string> pictures_below(const fs::path& folder) {
-  std::vector<std::string> files;
-  constexpr auto kFollow = fs::directory_options::follow_directory_symlink;
-  for (auto entry = fs::recursive_directory_iterator(folder, kFollow); entry != fs::end(entry); ++entry) {
-    if (detail::is_hidden(entry->path()))
-      entry.disable_recursion_pending();
-    else if (entry->is_regular_file() && detail::is_image_name(entry->path()))
-      files.push_back(entry->path().string());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
+  return pictures_among(detail::files_below(folder, detail::is_image_name));
 }
 
 fs::path part_of(const fs::path& folder, const char* name) {
-  if (!fs::is_directory(folder)) throw InputError(folder.string(), "", "is not a folder");
-  if (!fs::is_directory(folder / name))
+  if (!detail::is_there_as_folder(folder)) throw InputError(folder.string(), "", "is not a folder");
+  if (!detail::is_there_as_folder(folder / name))
     throw InputError(folder.string(), name, "not found, expected the folders positives and negatives");
   return folder / name;
 }
 
 std::vector<PictureSet> positive_sets(const fs::path& folder) {
   std::vector<PictureSet> sets;
-  PictureSet direct{"positives", {}};
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (detail::is_hidden(entry.path())) continue;
-    if (entry.is_directory())
-      sets.push_back({entry.path().filename().string(), pictures_below(entry.path())});
-    else if (detail::is_image_name(entry.path()))
-      direct.files.push_back(entry.path().string());
-  }
-  std::sort(direct.files.begin(), direct.files.end());
-  sets.push_back(std::move(direct));
+  for (const auto& below : detail::folders_of(folder))
+    sets.push_back({below.filename().string(), pictures_below(below)});
+  sets.push_back({"positives", pictures_among(detail::files_of(folder))});
   std::erase_if(sets, [](const PictureSet& set) { return set.files.empty(); });
   std::sort(sets.begin(), sets.end(), [](const PictureSet& a, const PictureSet& b) { return a.name < b.name; });
   return sets;

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "flies/core/error.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/image_file.hpp"
 
 namespace flies::detail {
@@ -56,11 +57,8 @@ bool is_image_name(const fs::path& path) {
 }
 
 std::vector<std::string> images_of(const std::string& folder) {
-  std::vector<fs::path> images;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (is_image_name(entry->path()) && !entry->is_directory()) images.push_back(entry->path());
-  if (error) throw InputError(folder, "", fmt::format("cannot be read: {}", error.message()));
+  std::vector<fs::path> images = files_of(folder);
+  std::erase_if(images, [](const fs::path& path) { return !is_image_name(path); });
   if (images.empty()) throw InputError(folder, "", fmt::format("holds no images, expected {} files", kReadableImages));
   std::sort(images.begin(), images.end(), [](const fs::path& a, const fs::path& b) {
     return name_less(a.filename().string(), b.filename().string());

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "flies/core/error.hpp"
+#include "flies/io/calibration_formats.hpp"
 
 namespace flies {
 namespace {
@@ -75,18 +76,21 @@ Calibration ros_calibration(const RosCameraInfo& left, const RosCameraInfo& righ
   if (!is_rectified) {
     calibration.rectifier.emplace(raw_stereo(left, right, source), source);
     calibration.camera = calibration.rectifier->camera();
+    check_camera(calibration.camera, source);
     return calibration;
   }
-  auto& camera = calibration.camera;
-  camera.fx_px = left.projection[0];
-  camera.fy_px = left.projection[5];
-  camera.cx_px = left.projection[2];
-  camera.cy_px = left.projection[6];
-  camera.cx_right_px = right.projection[2];
-  camera.baseline_m = baseline_m(right, source);
-  camera.width_px = left.width_px;
-  camera.height_px = left.height_px;
-  check_camera(camera, source);
+  const std::string left_key = "P of the left camera", right_key = "P of the right camera";
+  const auto numbers = [](const RosCameraInfo& camera) {
+    return NumberEntry{{camera.projection.begin(), camera.projection.end()}, ""};
+  };
+  baseline_m(right, source);  // says best what is wrong with it
+  const NumberTable table{source, {{left_key, numbers(left)}, {right_key, numbers(right)}}};
+  const Calibration read = detail::calibration_from_projections({table, left_key}, {table, right_key});
+  calibration.camera = read.camera;
+  calibration.camera.width_px = left.width_px;
+  calibration.camera.height_px = left.height_px;
+  for (const auto& note : read.notes) calibration.notes.push_back(note);
+  check_camera(calibration.camera, source);
   return calibration;
 }
 

@@ -108,6 +108,15 @@ TEST_P(RosMessage, CameraInfoGivesTheCalibration) {
 
   EXPECT_THAT([&] { ros_calibration(right, left, true, "f"); },
               ThrowsMessage<InputError>(HasSubstr("are left and right swapped?")));
+  for (const std::size_t number : {0U, 5U, 6U}) {  // fx, fy, cy
+    RosCameraInfo other = right;
+    other.projection[number] += 30.0;
+    EXPECT_THAT([&] { ros_calibration(left, other, true, "f"); },
+                ThrowsMessage<InputError>(HasSubstr("in both images of a rectified pair")));
+  }
+  RosCameraInfo far = bent_right;
+  far.projection[3] = -1e9;
+  EXPECT_THAT([&] { ros_calibration(bent_left, far, false, "f"); }, ThrowsMessage<InputError>(HasSubstr("baseline")));
   RosCameraInfo odd = bent_left;
   odd.distortion_model = "thin_prism";
   EXPECT_THAT([&] { ros_calibration(odd, bent_right, false, "f"); },

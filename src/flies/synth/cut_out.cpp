@@ -13,6 +13,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/quantile.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/image_folder.hpp"
 #include "flies/io/images.hpp"
 
@@ -102,19 +103,15 @@ bool is_a_standing_person(const cv::Mat& mask, double person_share) {
 /// Pictures in the folder and below, without the masks.
 std::vector<fs::path> photographs_of(const fs::path& folder) {
   if (!detail::is_folder(folder.string())) throw InputError(folder.string(), "", "is not a folder");
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file() && detail::is_image_name(entry.path()) &&
-        !entry.path().stem().string().ends_with(kMaskEnding))
-      files.push_back(entry.path());
-  std::ranges::sort(files);
-  return files;
+  return detail::files_below(folder, [](const fs::path& file) {
+    return detail::is_image_name(file) && !file.stem().string().ends_with(kMaskEnding);
+  });
 }
 
 std::optional<CutOut> load_cut_out(const fs::path& file, double person_share) {
   GrayImage image = load_gray_image(file.string(), kLeastSide_px, kLeastSide_px);
   const fs::path mask_file = file.parent_path() / (file.stem().string() + kMaskEnding + ".png");
-  if (!fs::exists(mask_file)) return cut_out_person(image.view(), person_share);
+  if (!detail::is_there(mask_file)) return cut_out_person(image.view(), person_share);
   GrayImage mask = load_gray_image(mask_file.string(), kLeastSide_px, kLeastSide_px);
   if (mask.width_px != image.width_px || mask.height_px != image.height_px)
     throw InputError(mask_file.string(), "size",

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
+
+#include "flies/io/kitti_place.hpp"
 
 namespace flies {
 namespace {
@@ -33,8 +34,6 @@ const char* kitti_type(ObjectClass kind) {
   return "Misc";
 }
 
-double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * std::numbers::pi); }
-
 std::string box_text(const ImageBox& box) {
   return fmt::format("{:.2f} {:.2f} {:.2f} {:.2f}", box.u_px, box.v_px, box.u_px + box.width_px,
                      box.v_px + box.height_px);
@@ -48,7 +47,6 @@ std::string json_box(const ImageBox& box) {
 }  // namespace
 
 std::string kitti_labels(const std::vector<TruthObject>& objects, const StereoCamera& camera) {
-  const Projection projection(camera);
   std::string text;
   for (const auto& object : objects) {
     if (object.visible_px == 0) continue;
@@ -57,20 +55,14 @@ std::string kitti_labels(const std::vector<TruthObject>& objects, const StereoCa
       text += fmt::format("DontCare -1 -1 -10 {} -1 -1 -1 -1000 -1000 -1000 -10\n", box_text(object.box));
       continue;
     }
-    const Point3 foot{object.x_m, object.y_m, object.z_m};
-    const double depth_m = projection.depth_m(foot);
-    if (depth_m <= 0.0) continue;
-    const StereoPoint image = projection.project(foot);
-    const double right_m = (image.u_px - camera.cx_px) / camera.fx_px * depth_m;
-    const double down_m = (image.v_px - camera.cy_px) / camera.fy_px * depth_m;
-    // KITTI measures the heading about the camera's downward axis from its rightward one; ours is about the upward
-    // axis from the forward one.
-    const double heading_rad = wrapped(-object.yaw_rad - std::numbers::pi / 2.0);
-    const double alpha_rad = wrapped(heading_rad - std::atan2(right_m, depth_m));
+    const auto foot = kitti_place(camera, {object.x_m, object.y_m, object.z_m});
+    if (!foot) continue;
+    const double heading_rad = kitti_heading_rad(object.yaw_rad);
+    const double alpha_rad = wrapped_rad(heading_rad - std::atan2(foot->right_m, foot->forward_m));
     const int occluded = object.occlusion < 0.15 ? 0 : object.occlusion < 0.5 ? 1 : 2;
     text += fmt::format("{} {:.2f} {} {:.2f} {} {:.2f} {:.2f} {:.2f} {:.3f} {:.3f} {:.3f} {:.2f}\n", type,
                         object.truncation, occluded, alpha_rad, box_text(object.box), object.height_m, object.width_m,
-                        object.length_m, right_m, down_m, depth_m, heading_rad);
+                        object.length_m, foot->right_m, foot->down_m, foot->forward_m, heading_rad);
   }
   return text;
 }

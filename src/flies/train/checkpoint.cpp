@@ -11,6 +11,7 @@
 #include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/train/fingerprint.hpp"
 
@@ -81,7 +82,7 @@ Checkpoint::Checkpoint(const fs::path& folder, const std::string& fingerprint)
     : folder_(folder), fingerprint_(fingerprint) {
   if (folder_.empty()) return;
   const fs::path file = folder_ / kStateFile;
-  if (!fs::exists(file)) return;
+  if (!detail::is_there(file)) return;
   Json json;
   TrainingState state;
   try {

@@ -12,6 +12,7 @@
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
 #include "flies/io/exif.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/image_folder.hpp"
 #include "flies/io/images.hpp"
 #include "flies/io/text_file.hpp"
@@ -165,24 +166,8 @@ std::optional<std::vector<TrainingPicture>> read_yolo(const fs::path& folder) {
 
 }  // namespace
 
-std::vector<fs::path> detail::files_below(const fs::path& folder, const std::function<bool(const fs::path&)>& accept) {
-  std::error_code error;
-  std::vector<fs::path> files;
-  constexpr auto kFollow = fs::directory_options::follow_directory_symlink;
-  for (fs::recursive_directory_iterator entry(folder, kFollow, error), end; !error && entry != end;
-       entry.increment(error)) {
-    if (is_hidden(entry->path()))
-      entry.disable_recursion_pending();
-    else if (entry->is_regular_file() && accept(entry->path()))
-      files.push_back(entry->path());
-  }
-  if (error) throw InputError(folder.string(), "", "cannot be read: " + error.message());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 std::optional<std::vector<TrainingPicture>> labelled_pictures(const fs::path& folder) {
-  if (fs::is_directory(folder / "label_2"))
+  if (detail::is_there_as_folder(folder / "label_2"))
     return read_labels(detail::files_below(folder / "label_2", is_text), folder / "label_2", folder / "image_2",
                        parse_kitti_boxes);
   const auto labels = detail::files_below(folder, is_xml);

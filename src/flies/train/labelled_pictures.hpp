@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -14,12 +13,4 @@ namespace flies {
 /// @throws InputError as that
 std::optional<std::vector<TrainingPicture>> labelled_pictures(const std::filesystem::path& folder);
 
-namespace detail {
-
-/// Files of a folder and all below it in name order; hidden files and folders are passed over.
-/// @throws InputError when it cannot be read
-std::vector<std::filesystem::path> files_below(const std::filesystem::path& folder,
-                                               const std::function<bool(const std::filesystem::path&)>& accept);
-
-}  // namespace detail
 }  // namespace flies

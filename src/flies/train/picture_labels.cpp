@@ -81,8 +81,8 @@ PictureLabels parse_voc_labels(std::string_view xml, const std::string& source) 
   return labels;
 }
 
-PictureLabels parse_kitti_boxes(std::string_view text, const std::string& source) {
-  PictureLabels labels;
+std::vector<KittiPersonLabel> parse_kitti_people(std::string_view text, const std::string& source) {
+  std::vector<KittiPersonLabel> labels;
   std::istringstream stream{plain_text(std::string(text))};
   int number = 0;
   for (std::string line; std::getline(stream, line);) {
@@ -91,12 +91,22 @@ PictureLabels parse_kitti_boxes(std::string_view text, const std::string& source
     if (fields.empty()) continue;
     if (fields.size() < kMinKittiFields)
       throw InputError(source, field, fmt::format("found {} fields, expected {}", fields.size(), kMinKittiFields));
-    const bool is_whole_person = is_person(fields[0]);
-    if (!is_whole_person && !is_one_of(fields[0], kKittiUnclear)) continue;
+    const bool tells_of_person = is_person(fields[0]);
+    if (!tells_of_person && !is_one_of(fields[0], kKittiUnclear)) continue;
     const auto value = [&](std::size_t i) { return detail::parse_number(fields[i], source, field); };
-    const ImageBox box = box_between(value(4), value(5), value(6), value(7), source, field);
-    const bool is_clear = is_whole_person && value(1) <= kMaxTruncation && value(2) == 0.0;
-    (is_clear ? labels.people : labels.unclear).push_back(box);
+    labels.push_back({.is_person = tells_of_person,
+                      .truncation = value(1),
+                      .occlusion = value(2),
+                      .box = box_between(value(4), value(5), value(6), value(7), source, field)});
+  }
+  return labels;
+}
+
+PictureLabels parse_kitti_boxes(std::string_view text, const std::string& source) {
+  PictureLabels labels;
+  for (const auto& label : parse_kitti_people(text, source)) {
+    const bool is_clear = label.is_person && label.truncation <= kMaxTruncation && label.occlusion == 0.0;
+    (is_clear ? labels.people : labels.unclear).push_back(label.box);
   }
   return labels;
 }

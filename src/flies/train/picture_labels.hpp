@@ -23,6 +23,18 @@ struct PictureLabels {
 /// @throws InputError naming `source` and the element: malformed XML, a missing or non-numeric coordinate, an empty box
 PictureLabels parse_voc_labels(std::string_view xml, const std::string& source);
 
+/// A line of a KITTI label_2 file that tells of people, or of what may be one.
+struct KittiPersonLabel {
+  bool is_person =
+      false;  ///< "Pedestrian" (or "Person", in capitals or not); else "Person_sitting", "Cyclist", "DontCare"
+  double truncation = 0.0, occlusion = 0.0;
+  ImageBox box;
+};
+
+/// Reads these lines; others are passed over.
+/// @throws InputError naming the line on a wrong number of fields, a field that is not a number, an empty box
+std::vector<KittiPersonLabel> parse_kitti_people(std::string_view text, const std::string& source);
+
 /// Reads a KITTI label_2 file: its 2-D boxes. "Pedestrian" (or "Person", in capitals or not) is learnt from when it is
 /// neither truncated nor occluded; "Person_sitting", "Cyclist" and "DontCare" are unclear.
 /// @throws InputError naming the line on a wrong number of fields, a field that is not a number, an empty box

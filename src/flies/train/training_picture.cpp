@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/image_file.hpp"
 #include "flies/io/image_folder.hpp"
 #include "flies/io/images.hpp"

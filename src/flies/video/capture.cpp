@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <filesystem>
 #include <future>
 #include <thread>
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/video/lazy_module.hpp"
 
 namespace flies {
@@ -69,7 +69,7 @@ SourceKind source_kind(const std::string& source) {
 std::unique_ptr<Capture> open_capture(const CaptureRequest& request) {
   const SourceKind kind = source_kind(request.source);
   if (request.source.empty()) throw InputError("source", "", "is empty");
-  if (kind == SourceKind::file && !std::filesystem::exists(request.source))
+  if (kind == SourceKind::file && !detail::is_there(request.source))
     throw InputError(request.source, "", "does not exist");
   const auto open = reinterpret_cast<OpenCaptureFunction>(module_function("flies_video", kOpenCaptureName));
   auto capture = open_in_time(open, request, kind);

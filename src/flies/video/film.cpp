@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "flies/core/error.hpp"
+#include "flies/io/stale_parts.hpp"
 #include "flies/io/unfinished_outputs.hpp"
 #include "flies/video/lazy_module.hpp"
 
@@ -27,6 +28,7 @@ Film::Film(const std::string& path, double rate_hz) : path_(path), rate_hz_(rate
   if (!fs::is_directory(folder, error)) throw InputError(path, "", "cannot be written: its folder does not exist");
   if (::access(folder.c_str(), W_OK) != 0)
     throw InputError(path, "", fmt::format("cannot be written: {}", std::strerror(errno)));
+  remove_stale_parts(path);
   part_path_ = fmt::format("{}.part-{}.mp4", path, ::getpid());
 }
 
@@ -51,11 +53,16 @@ void Film::add(const cv::Mat& picture) {
                      fmt::format("found a picture of {} x {} px after ones of {} x {} px", picture.cols, picture.rows,
                                  size_.width, size_.height));
   encoder_->add(picture(cv::Rect({}, size_)));
+  ++pictures_;
 }
 
 void Film::commit() {
   if (!encoder_) throw InputError(path_, "", "no picture came, so there is no film");
-  encoder_.reset();  // writes the film's index
+  const std::size_t written = encoder_->finish();
+  if (written < pictures_)
+    throw InputError(
+        path_, "",
+        fmt::format("cannot be written: {} of {} pictures got into the film; is the disk full?", written, pictures_));
   if (std::rename(part_path_.c_str(), path_.c_str()) != 0)
     throw InputError(path_, "", fmt::format("cannot be written: {}", std::strerror(errno)));
 }

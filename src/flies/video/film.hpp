@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
@@ -12,6 +13,9 @@ class FilmEncoder {
   virtual ~FilmEncoder() = default;
   /// @param picture CV_8UC3, BGR, of the size that was asked for
   virtual void add(const cv::Mat& picture) = 0;
+  /// Writes the film's index; call it once, last. OpenCV does not tell when it cannot write, so the film is read again.
+  /// @returns how many pictures are in the film, 0 when it is none
+  virtual std::size_t finish() = 0;
 };
 
 /// What the module `flies_video` gives: null when the film cannot be written.
@@ -36,13 +40,14 @@ class Film {
   /// @throws InputError when the film cannot be written or a picture has another size than the first
   void add(const cv::Mat& picture);
 
-  /// Call it once, last. @throws InputError when the film cannot be put in its place
+  /// Call it once, last. @throws InputError when the film cannot be put in its place, or pictures are not in it
   void commit();
 
  private:
   std::string path_, part_path_;
   double rate_hz_;
   cv::Size size_;
+  std::size_t pictures_ = 0;
   std::unique_ptr<FilmEncoder> encoder_;
 };
 

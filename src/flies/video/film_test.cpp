@@ -2,10 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <string>
 
 #include "flies/core/error.hpp"
 #include "flies/io/temporary_folder.hpp"
@@ -58,6 +61,16 @@ TEST_F(FilmTest, LeavesNothingBehindUnlessItIsComplete) {
     film.add(cv::Mat(120, 160, CV_8UC3, cv::Scalar::all(90)));
     EXPECT_EQ(files_in(folder), 1);
   }
+  EXPECT_EQ(files_in(folder), 0);
+}
+
+TEST_F(FilmTest, RemovesWhatAKilledRunLeft) {
+  const TemporaryFolder folder;
+  const pid_t killed = ::fork();
+  if (killed == 0) ::_exit(0);
+  ASSERT_EQ(::waitpid(killed, nullptr, 0), killed);
+  folder.write("film.mp4.part-" + std::to_string(killed) + ".mp4", "half");
+  const Film film(folder.file("film.mp4"), 10.0);
   EXPECT_EQ(files_in(folder), 0);
 }
 

@@ -74,8 +74,10 @@ async function show(state) {
     showNotes(state.notes);
   }
   if (state.number === undefined || state.number === shown.number) return;
+  const swarm = $("flies").checked ? (await (await get(`api/flies?number=${state.number}`)).json()).flies : null;
   const image = await picture(state.number);
-  shown.flies = $("flies").checked ? (await (await get(`api/flies?number=${state.number}`)).json()).flies : null;
+  shown.image?.close(); // holds a picture's memory until then
+  shown.flies = swarm;
   shown.number = state.number;
   shown.state = state;
   shown.image = image;
