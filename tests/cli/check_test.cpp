@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "run_flies.hpp"
+#include "spoilt_street.hpp"
 #include "street_pair.hpp"
 
 namespace flies::testing {
@@ -163,6 +164,17 @@ TEST_F(Check, TellsALensCapFromAnEmptyRoad) {
   cv::imwrite((folder.path() / "right.png").string(), street_pair().right * 0.02);
   EXPECT_THAT(check("right.png").out, HasSubstr("nearly black"));
   EXPECT_THAT(detect("right.png").err, HasSubstr("nothing seen does not mean that nothing is there"));
+}
+
+TEST_F(Check, OfARunDoesNotLookRightWherePairsAreBadOrUnreadable) {
+  write_folders(folder.path(), 3, 3);
+  const Words words = {"check", "l", "r", "--calib", "calib.txt", "--camera-height", "1.65", "--camera-pitch", "0"};
+  EXPECT_THAT(run_flies(folder.path(), words).out, HasSubstr("2 of 3 pairs: both images of the pair before"));
+  keep_first_bytes(folder.path() / "l" / "2.png", 0.5);
+  const RunResult result = run_flies(folder.path(), words);
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("1 of 3 pairs: cannot be used; the first: l/2.png"));
+  EXPECT_THAT(result.out, ::testing::Not(HasSubstr("looks right")));
 }
 
 TEST_F(Check, RefusesWhatDetectRefuses) {

@@ -99,6 +99,15 @@ TEST_F(LiveCommand, FollowsAFilmOfBothPictures) {
   EXPECT_TRUE(all.back().at("ego").at("is_known").get<bool>());
 }
 
+TEST_F(LiveCommand, TellsPairsThatAreSwappedInTheMiddleOfARun) {
+  cv::imwrite((folder.path() / "left" / "2.png").string(), street_pair().right);
+  cv::imwrite((folder.path() / "right" / "2.png").string(), street_pair().left);
+  const RunResult result = run({"left", "right", "--rate", "20", "--calib", "calib.txt", "--every-pair"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("left/2.png: left and right seem to be swapped"));
+  EXPECT_THAT(result.err, HasSubstr("1 of 3 pairs: left and right swapped; the first: left/2.png"));
+}
+
 TEST_F(LiveCommand, IsMadeOfWhatTrackIsMadeOf) {
   const Words common = {"left", "right", "--rate", "20", "--calib", "calib.txt", "--mount", "given", "--json", "-"};
   Words live = common, track = common;

@@ -171,6 +171,12 @@ TEST_F(Reading, ThatImagesAreTurnedIsTold) {
   EXPECT_THAT(found.err, HasSubstr("images are turned by 180 degrees, as their EXIF orientation says"));
   EXPECT_THAT(run("detect", {"tl.jpg", "tr.jpg"}).err, HasSubstr("turned by 180 degrees"));
   EXPECT_THAT(run("detect", {"left.png", "right.png"}).err, Not(HasSubstr("EXIF")));
+  for (const char* command : {"check", "detect"}) {
+    const RunResult one_side = run(command, {"left.png", "tr.jpg"});
+    EXPECT_THAT(one_side.err, HasSubstr("left.png and tr.jpg differ in their EXIF orientation")) << command;
+    const RunResult refused = run(command, {"tr.jpg", "tl.jpg"});  // told before the fault
+    EXPECT_THAT(refused.err, HasSubstr("turned by 180 degrees, as their EXIF")) << command;
+  }
 }
 
 TEST_F(Reading, WordsThatDoNotFitAreRefused) {

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -149,6 +151,20 @@ TEST_F(TrackCommand, NamesLoopsOfLinks) {
   EXPECT_EQ(drive.status, 2);
   EXPECT_THAT(drive.err, HasSubstr("loop"));
   EXPECT_EQ(lines(drive.err).size(), 1U) << drive.err;
+}
+
+TEST_F(TrackCommand, TellsWhatGoesWrongInTheMiddleOfARun) {
+  cv::Mat noise = street_pair().left.clone();
+  noise.forEach<std::uint8_t>([](std::uint8_t& level, const int*) { level = level % 3; });
+  cv::imwrite((folder.path() / "left" / "1.png").string(), noise);
+  cv::imwrite((folder.path() / "left" / "2.png").string(), street_pair().right);
+  cv::imwrite((folder.path() / "right" / "2.png").string(), street_pair().left);
+  const RunResult result = run({"--calib", "calib.txt", "--rate", "20", "--json", "-"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("left/1.png: there is nothing to match in the left image"));
+  EXPECT_THAT(result.err, HasSubstr("1 of 3 pairs: nothing to match in the left image; the first: left/1.png"));
+  EXPECT_THAT(result.err, HasSubstr("left/1.png: the right image is that of the pair before"));
+  EXPECT_THAT(result.err, HasSubstr("1 of 3 pairs: left and right swapped; the first: left/2.png"));
 }
 
 TEST(TrackADrawnSequence, FollowsAndMeasuresIt) {

@@ -7,9 +7,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "flies/core/error.hpp"
 #include "flies/diagnose/pair_diagnosis.hpp"
+#include "flies/diagnose/pair_watch.hpp"
 #include "flies/draw/row_picture.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
@@ -23,11 +26,37 @@
 
 namespace {
 
+constexpr std::size_t kMostPairs = 200;  // of a long run, spread evenly
+
 struct Checked {
   flies::Calibration calibration;
   std::vector<flies::PairPaths> pairs;
   RunDiagnosis run;
 };
+
+/// What is wrong with some pairs of a run, those that cannot be used included; nothing of a single one.
+std::vector<std::string> notes_on_each(const Checked& checked, const flies::PairReading& reading) {
+  const std::size_t count = std::min(kMostPairs, checked.pairs.size());
+  if (count < 2) return {};
+  flies::PairWatch watch;
+  std::vector<std::string> faults;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto& paths = checked.pairs[k * (checked.pairs.size() - 1) / (count - 1)];
+    try {
+      flies::GrayPair images = flies::load_pair(paths, reading);
+      if (checked.calibration.rectifier) images = checked.calibration.rectifier->rectify(images);
+      const flies::RectifiedPair pair = images.view();
+      flies::check_camera_fits(checked.calibration.camera, pair.left.width_px, pair.left.height_px, paths.left);
+      watch.look(pair, checked.calibration.camera, paths.left);
+    } catch (const flies::InputError& fault) {
+      faults.emplace_back(fault.what());
+    }
+  }
+  auto notes = watch.counts();
+  if (!faults.empty())
+    notes.push_back(fmt::format("{} of {} pairs: cannot be used; the first: {}", faults.size(), count, faults.front()));
+  return notes;
+}
 
 Checked check(const CheckArguments& arguments) {
   Checked checked;
@@ -35,13 +64,14 @@ Checked check(const CheckArguments& arguments) {
   checked.pairs = pairs_of(arguments.images);
   const auto& [left, right] = checked.pairs.front();
   flies::GrayPair images = flies::load_pair(checked.pairs.front(), reading);
+  if (const auto note = orientation_note(checked.pairs.front())) say_notes({*note});
   const auto request = calibration_request(arguments.camera, left, right, images.view());
   checked.calibration = flies::load_calibration(arguments.calib, request);
-  note_orientation(left, checked.calibration);
   if (checked.calibration.rectifier) images = checked.calibration.rectifier->rectify(images);
   const flies::RectifiedPair pair = images.view();
   flies::check_camera_fits(checked.calibration.camera, pair.left.width_px, pair.left.height_px, arguments.calib);
   checked.run = diagnose(checked.pairs, reading, checked.calibration, {.self_rectify = SelfRectify::off});
+  for (auto& note : notes_on_each(checked, reading)) checked.run.notes.push_back(std::move(note));
   if (!arguments.picture.empty()) {
     const auto corners = flies::match_corners(pair);
     flies::write_png(arguments.picture, flies::draw_rows(pair, corners, checked.run.diagnosis.rows));
@@ -53,7 +83,7 @@ std::string table(const Checked& checked) {
   const auto& d = checked.run.diagnosis;
   std::string text;
   const auto line = [&](const char* name, const std::string& value) { text += fmt::format("{:<24}{}\n", name, value); };
-  line("pairs", fmt::format("{}, of which up to 5 are looked at", checked.pairs.size()));
+  line("pairs", fmt::format("{}, of which up to 5 are looked at closely", checked.pairs.size()));
   line("something to match", fmt::format("in {:.0f} % of the left image", 100.0 * d.textured_share));
   line("found on their row", fmt::format("{:.0f} % of {} places (32 % and more in good pairs of streets)",
                                          100.0 * d.matched_share(), d.evidence.patches));

@@ -11,6 +11,7 @@
 #include "detect/detect_pictures.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/pair_check.hpp"
+#include "flies/diagnose/pair_watch.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
 #include "flies/io/output_file.hpp"
@@ -111,9 +112,9 @@ void run_detect(const DetectArguments& arguments) {
     thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(unfitted.threads));
 
   auto [first, images] = first_readable(pairs, reading);
+  if (const auto note = orientation_note(pairs[first])) say_notes({*note});
   const auto request = calibration_request(arguments.camera, pairs[first].left, pairs[first].right, images.view());
   flies::Calibration calibration = flies::load_calibration(arguments.calib, request);
-  note_orientation(pairs[first].left, calibration);
   if (calibration.rectifier) images = calibration.rectifier->rectify(images);
   flies::check_camera_fits(calibration.camera, images.view().left.width_px, images.view().left.height_px,
                            arguments.calib);
@@ -142,6 +143,7 @@ void run_detect(const DetectArguments& arguments) {
       pairs.size(), [&](std::size_t i) { return usable_pair(pairs[i], reading, calibration, run); },
       options.threads != 1);
   std::vector<std::string> faults;
+  flies::PairWatch watch;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto& [left_path, right_path] = pairs[i];
     flies::FrameRecord record{.frame = static_cast<int>(i),
@@ -158,6 +160,7 @@ void run_detect(const DetectArguments& arguments) {
     std::optional<flies::Detection> detection;
     try {
       images = ahead.next();
+      if (!is_single) watch.look(images.view(), calibration.camera, left_path);  // told at the end
       detection = detector.process(images.view());
       record.obstacles = detection->obstacles;
       record.pedestrians = detection->pedestrians;
@@ -184,7 +187,7 @@ void run_detect(const DetectArguments& arguments) {
   if (scan) scan->commit();
   if (faults.size() == pairs.size())
     throw flies::InputError(arguments.images.left, "", "no pair could be used; the first: " + faults.front());
-  if (is_single) say_notes(notes);
+  say_notes(is_single ? notes : watch.counts());
   if (!faults.empty())
     throw flies::InputError(arguments.images.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),
                             "could not be used, the others were; the first: " + faults.front());

@@ -13,6 +13,7 @@
 #include "shared/end_on_signal.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
+#include "shared/pair_arguments.hpp"
 
 namespace {
 
@@ -83,6 +84,8 @@ bool LiveRun::wait_for_pair(flies::StereoFrame& frame) {
 }
 
 void LiveRun::calibrate(const flies::StereoFrame& frame) {
+  if (!request_.stream.folder.empty())
+    if (const auto note = orientation_note({frame.left_name, frame.right_name})) say(*note);
   const flies::RectifiedPair view = frame.images.view();
   calibration_ = flies::load_calibration(request_.calib,
                                          calibration_request(request_.camera, frame.left_name, frame.right_name, view));
@@ -139,6 +142,7 @@ std::shared_ptr<LivePair> LiveRun::prepare(flies::StereoFrame frame) {
   pair->number = next_number_++;
   pair->images = calibration_->rectifier ? calibration_->rectifier->rectify(frame.images) : std::move(frame.images);
   diagnosis_.correct(pair->images);
+  for (const auto& note : watch_.look(pair->images.view(), calibration_->camera, frame.left_name)) say(note);
   pair->time_s = frame.time_s;
   pair->skew_s = frame.skew_s;
   pair->left_name = std::move(frame.left_name);
@@ -270,6 +274,7 @@ void LiveRun::run() {
   }
   end();
   rethrow_failure();
+  for (const auto& note : watch_.counts()) say(note);
   const std::lock_guard lock(mutex_);
   source_counts_ = stream_->counts();
 }

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "flies/diagnose/pair_watch.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/pipeline/engine.hpp"
 #include "flies/video/pair_stream.hpp"
@@ -74,6 +75,7 @@ class LiveRun {
   std::unique_ptr<flies::PairStream> stream_;
   std::optional<flies::Calibration> calibration_;
   RunDiagnosis diagnosis_;
+  flies::PairWatch watch_;
   std::uint64_t next_number_ = 0;
   std::uint64_t began_ns_ = 0;
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstddef>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -60,17 +61,26 @@ std::vector<flies::PairPaths> pairs_of(const PairArguments& arguments) {
   return std::move(found.pairs);
 }
 
-void note_orientation(const std::string& image, flies::Calibration& calibration) {
+std::optional<std::string> orientation_note(const flies::PairPaths& pair) {
   constexpr std::size_t kMax_bytes = std::size_t{1} << 30;
-  constexpr const char* kTurns[] = {"mirrored",
+  constexpr const char* kTurns[] = {"as they are stored",
+                                    "mirrored",
                                     "turned by 180 degrees",
                                     "mirrored upside down",
                                     "transposed",
                                     "turned clockwise by 90 degrees",
                                     "transposed about the other diagonal",
                                     "turned counter-clockwise by 90 degrees"};
-  const int orientation = flies::detail::stored_orientation(flies::read_file(image, kMax_bytes));
-  if (orientation > 1)
-    calibration.notes.push_back(fmt::format(
-        "images are {}, as their EXIF orientation says: it must be for the turned ones", kTurns[orientation - 2]));
+  const auto orientation = [&](const std::string& image) {
+    return flies::detail::stored_orientation(flies::read_file(image, kMax_bytes));
+  };
+  const int left = orientation(pair.left), right = pair.right == pair.left ? left : orientation(pair.right);
+  if (left == right && left == 1) return std::nullopt;
+  if (left == right)
+    return fmt::format("{}: images are {}, as their EXIF orientation says: the calibration must be for the turned ones",
+                       pair.left, kTurns[left - 1]);
+  return fmt::format(
+      "{} and {} differ in their EXIF orientation, which hardly is so of two cameras of a pair: pixels of the left one "
+      "are taken {}, those of the right one {}",
+      pair.left, pair.right, kTurns[left - 1], kTurns[right - 1]);
 }

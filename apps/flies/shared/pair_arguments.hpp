@@ -1,10 +1,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
 #include "flies/io/pair_source.hpp"
 
@@ -34,6 +34,6 @@ flies::PairReading reading_of(const ReadingArguments& arguments);
 /// @throws flies::InputError as `match_pairs` does, for words that are unknown, and when RIGHT is missing or not needed
 std::vector<flies::PairPaths> pairs_of(const PairArguments& arguments);
 
-/// Adds a note to the calibration where the EXIF data of its images turn them.
-/// @param image a file that was read already
-void note_orientation(const std::string& image, flies::Calibration& calibration);
+/// A sentence where the EXIF data of images turn them; to be told before a fault that may follow from it.
+/// @param pair of files that were read already
+std::optional<std::string> orientation_note(const flies::PairPaths& pair);

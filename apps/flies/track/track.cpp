@@ -14,6 +14,7 @@
 #include "channels/recording.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/pair_check.hpp"
+#include "flies/diagnose/pair_watch.hpp"
 #include "flies/draw/track_view.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
@@ -131,6 +132,7 @@ void run_track(TrackArguments arguments) {
   std::optional<flies::Calibration> calibration;
   std::optional<flies::Tracker> tracker;
   RunDiagnosis run;
+  flies::PairWatch watch;
   std::shared_ptr<const flies::RunRecord> run_of;
   std::optional<LineFile> json, kitti;
   std::optional<TrackFilm> film;
@@ -140,12 +142,13 @@ void run_track(TrackArguments arguments) {
   for (std::size_t i = 0; i < source.pairs.size(); ++i) {
     const auto& [left_path, right_path] = source.pairs[i];
     flies::GrayPair images = source.load(i);
+    if (i == 0 && !source.recording)
+      if (const auto note = orientation_note(source.pairs[i])) say_notes({*note});
     if (i == 0)
       calibration = source.recording && arguments.sequence.calib.empty()
                         ? source.recording->calibration(arguments.camera)
                         : flies::load_calibration(source.calib, calibration_request(arguments.camera, left_path,
                                                                                     right_path, images.view()));
-    if (i == 0 && !source.recording) note_orientation(left_path, *calibration);
     if (calibration->rectifier) images = calibration->rectifier->rectify(images);
     if (i == 0)
       run = diagnose(
@@ -169,6 +172,7 @@ void run_track(TrackArguments arguments) {
       if (!arguments.json.empty()) json.emplace(arguments.json);
       if (!arguments.kitti.empty()) kitti.emplace(arguments.kitti);
     }
+    say_notes(watch.look(pair, calibration->camera, left_path));
 
     const auto start = std::chrono::steady_clock::now();
     const TrackedFrame frame{.frame = static_cast<int>(i),
@@ -187,6 +191,7 @@ void run_track(TrackArguments arguments) {
     status.show(latency.count());
   }
   if (film) film->commit();
+  say_notes(watch.counts());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <iterator>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -154,10 +155,19 @@ double nearness_px(std::vector<double> disparities_px) {
   return *at;
 }
 
-void check_same_scene(const PairEvidence& evidence, const std::string& left_name, const std::string& right_name) {
+bool is_another_scene(const PairEvidence& evidence) {
   // Matches by chance fall on both sides of infinity alike and cancel; those of a pair, swapped or not, do not.
   const int consistent = std::abs(evidence.nearer - evidence.beyond) + evidence.distant;
-  if (evidence.patches < kMinPatches || consistent >= kMinConsistent * evidence.patches) return;
+  return evidence.patches >= kMinPatches && consistent < kMinConsistent * evidence.patches;
+}
+
+bool is_swapped(const PairEvidence& evidence) {
+  const int votes = evidence.nearer + evidence.beyond;
+  return votes >= kMinVotes && evidence.beyond >= kSwappedShare * votes;
+}
+
+void check_same_scene(const PairEvidence& evidence, const std::string& left_name, const std::string& right_name) {
+  if (!is_another_scene(evidence)) return;
   throw InputError(right_name, "",
                    fmt::format("not a pair with {}: hardly any place of the left image is found on the same row of the "
                                "right one (another scene, or not rectified)",
@@ -165,8 +175,8 @@ void check_same_scene(const PairEvidence& evidence, const std::string& left_name
 }
 
 void check_order(const PairEvidence& evidence, const std::string& left_name, const std::string& right_name) {
+  if (!is_swapped(evidence)) return;
   const int votes = evidence.nearer + evidence.beyond;
-  if (votes < kMinVotes || evidence.beyond < kSwappedShare * votes) return;
   // Swapped images of one moment have partners for most of their places; of two moments while the camera turns, few.
   const auto found = fmt::format("{} of {} places would lie beyond infinity", evidence.beyond, votes);
   if (votes + evidence.distant < kPartnersOfSwapped * evidence.patches)
@@ -181,43 +191,84 @@ void check_order(const PairEvidence& evidence, const std::string& left_name, con
                                right_name, found));
 }
 
-}  // namespace
+/// Gathers the evidence of a pair, one row of patches after the other.
+class EvidenceOfRows {
+ public:
+  EvidenceOfRows(const RectifiedPair& pair, const StereoCamera& camera)
+      // Panoramas of few rows must keep enough of them.
+      : pair_(pair),
+        factor_(std::clamp((pair.left.width_px + kReducedWidth_px / 2) / kReducedWidth_px, 1,
+                           std::max(1, pair.left.height_px / kMinReducedHeight_px))),
+        height_px_(pair.left.height_px / factor_),
+        infinity_px_(static_cast<int>(std::lround((camera.cx_px - camera.cx_right_px) / factor_))),
+        reach_px_(pair.left.width_px / factor_ / kSearchFraction) {}
 
-PairEvidence gather_pair_evidence(const RectifiedPair& pair, const StereoCamera& camera) {
-  // Panoramas of few rows must keep enough of them.
-  const int factor = std::clamp((pair.left.width_px + kReducedWidth_px / 2) / kReducedWidth_px, 1,
-                                std::max(1, pair.left.height_px / kMinReducedHeight_px));
-  const Reduced left_image = reduce(pair.left, factor), right_image = reduce(pair.right, factor);
-  const GrayView left = left_image.view(), right = right_image.view();
-  const int infinity_px = static_cast<int>(std::lround((camera.cx_px - camera.cx_right_px) / factor));
-  const int reach_px = left.width_px / kSearchFraction;
-
-  PairEvidence evidence;
-  if (left.width_px < kPatchWidth_px || left.height_px < kPatchHeight_px) return evidence;  // nothing to compare
-  std::vector<double> upper_px, lower_px;
-  for (int row = 0; row < kGridRows; ++row) {
-    const int v = (left.height_px - kPatchHeight_px) * (2 * row + 1) / (2 * kGridRows);
-    const Band left_band(left, v), right_band(right, v);
+  void add_row(int row) {
+    if (pair_.left.width_px / factor_ < kPatchWidth_px || height_px_ < kPatchHeight_px) return;  // nothing to compare
+    const Band left_band = band(pair_.left, row), right_band = band(pair_.right, row);
     for (int column = 0; column < kGridColumns; ++column) {
       const int u = strongest_edge(left_band, left_band.patches() * column / kGridColumns,
                                    left_band.patches() * (column + 1) / kGridColumns);
       if (!left_band.is_textured(u)) continue;
-      const auto match = find_along_row(left_band, u, right_band, u - infinity_px, reach_px);
+      const auto match = find_along_row(left_band, u, right_band, u - infinity_px_, reach_px_);
       if (match.fits && !match.unique) continue;  // a fence, a grid: says nothing either way
-      ++evidence.patches;
+      ++evidence_.patches;
       if (!match.fits) continue;
       // Chance finds a fit somewhere; it rarely leads back to where the search started.
-      const auto back = find_along_row(right_band, match.u, left_band, match.u + infinity_px, reach_px);
+      const auto back = find_along_row(right_band, match.u, left_band, match.u + infinity_px_, reach_px_);
       if (!back.unique || std::abs(back.u - u) > kNoise_px) continue;
-      const int disparity_px = u - match.u - infinity_px;
-      if (row < kThirdOfRows) upper_px.push_back(disparity_px * factor);
-      if (row >= kGridRows - kThirdOfRows) lower_px.push_back(disparity_px * factor);
-      ++(std::abs(disparity_px) <= kNoise_px ? evidence.distant : disparity_px > 0 ? evidence.nearer : evidence.beyond);
+      const int disparity_px = u - match.u - infinity_px_;
+      if (row < kThirdOfRows) upper_px_.push_back(disparity_px * factor_);
+      if (row >= kGridRows - kThirdOfRows) lower_px_.push_back(disparity_px * factor_);
+      ++(std::abs(disparity_px) <= kNoise_px ? evidence_.distant
+         : disparity_px > 0                  ? evidence_.nearer
+                                             : evidence_.beyond);
     }
   }
-  evidence.upper_px = nearness_px(std::move(upper_px));
-  evidence.lower_px = nearness_px(std::move(lower_px));
-  return evidence;
+
+  const PairEvidence& counts() const { return evidence_; }
+  PairEvidence evidence() const {
+    PairEvidence evidence = evidence_;
+    evidence.upper_px = nearness_px(upper_px_);
+    evidence.lower_px = nearness_px(lower_px_);
+    return evidence;
+  }
+
+ private:
+  /// Only the rows that the patches cover are reduced.
+  Band band(const GrayView& image, int row) const {
+    const int v = (height_px_ - kPatchHeight_px) * (2 * row + 1) / (2 * kGridRows);
+    const GrayView rows{image.row(v * factor_), image.width_px, kPatchHeight_px * factor_, image.stride};
+    return Band(reduce(rows, factor_).view(), 0);
+  }
+
+  RectifiedPair pair_;
+  int factor_, height_px_, infinity_px_, reach_px_;
+  PairEvidence evidence_;
+  std::vector<double> upper_px_, lower_px_;
+};
+
+}  // namespace
+
+PairEvidence gather_pair_evidence(const RectifiedPair& pair, const StereoCamera& camera) {
+  EvidenceOfRows rows(pair, camera);
+  for (int row = 0; row < kGridRows; ++row) rows.add_row(row);
+  return rows.evidence();
+}
+
+PairOrder order_of_pair(const RectifiedPair& pair, const StereoCamera& camera) {
+  // From the road up: near places tell left from right.
+  constexpr int kRows[] = {5, 4, 6, 3, 7, 2, 1, 0};
+  static_assert(std::size(kRows) == kGridRows);
+  constexpr int kEnough = 6;
+  EvidenceOfRows rows(pair, camera);
+  for (const int row : kRows) {
+    rows.add_row(row);
+    const auto& found = rows.counts();
+    if (found.nearer + found.distant >= kEnough && 4 * found.beyond <= found.nearer) return PairOrder::good;
+  }
+  if (is_another_scene(rows.counts())) return PairOrder::unrelated;
+  return is_swapped(rows.counts()) ? PairOrder::swapped : PairOrder::good;
 }
 
 void check_true_pair(const RectifiedPair& pair, const StereoCamera& camera, const std::string& left_name,

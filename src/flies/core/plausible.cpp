@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "flies/core/error.hpp"
 
@@ -113,21 +114,12 @@ void check_focal_length(const StereoCamera& camera, const std::string& source, s
 
 double offset(double centre_px, int size_px) { return std::abs(centre_px / size_px - 0.5); }
 
-void check_principal_point(const StereoCamera& camera, const std::string& source, bool says_size,
-                           std::vector<std::string>& notes) {
+void check_principal_points(const StereoCamera& camera, const std::string& source, bool says_size,
+                            std::vector<std::string>& notes) {
   if (camera.width_px <= 0 || camera.height_px <= 0) return;
-  const double across = offset(camera.cx_px, camera.width_px), down = offset(camera.cy_px, camera.height_px);
-  const auto found = fmt::format("({:.1f}, {:.1f}) px in images of {} x {} px", camera.cx_px, camera.cy_px,
-                                 camera.width_px, camera.height_px);
-  const bool fits_swapped = offset(camera.cy_px, camera.width_px) < kProbableOffset &&
-                            offset(camera.cx_px, camera.height_px) < kProbableOffset;
-  if (fits_swapped && std::max(across, down) > kFarOffset)
-    throw InputError(source, "principal point", fmt::format("found {}: cx and cy are swapped", found));
-  if (std::max(across, down) > (says_size ? kProbableOffsetOfSized : kProbableOffset))
-    notes.push_back(
-        fmt::format("the principal point {} is far from the middle: were the images cropped or resized "
-                    "after the calibration?",
-                    found));
+  if (auto note = check_principal_point(camera.cx_px, camera.cy_px, camera.width_px, camera.height_px, source,
+                                        "principal point", says_size ? kProbableOffsetOfSized : kProbableOffset))
+    notes.push_back(std::move(*note));
   if (std::abs(camera.cx_px - camera.cx_right_px) > kFarOffset * camera.width_px)
     notes.push_back(fmt::format("the principal points of left and right are {:.0f} px apart: check both",
                                 std::abs(camera.cx_px - camera.cx_right_px)));
@@ -135,11 +127,25 @@ void check_principal_point(const StereoCamera& camera, const std::string& source
 
 }  // namespace
 
+std::optional<std::string> check_principal_point(double cx_px, double cy_px, int width_px, int height_px,
+                                                 const std::string& source, const std::string& field,
+                                                 double probable_offset) {
+  const double farthest = std::max(offset(cx_px, width_px), offset(cy_px, height_px));
+  const auto found = fmt::format("({:.1f}, {:.1f}) px in images of {} x {} px", cx_px, cy_px, width_px, height_px);
+  const bool fits_swapped = offset(cy_px, width_px) < kProbableOffset && offset(cx_px, height_px) < kProbableOffset;
+  if (fits_swapped && farthest > kFarOffset)
+    throw InputError(source, field, fmt::format("found {}: cx and cy are swapped", found));
+  if (farthest <= probable_offset) return std::nullopt;
+  return fmt::format(
+      "the principal point {} is far from the middle: were the images cropped or resized after the calibration?",
+      found);
+}
+
 std::vector<std::string> check_plausible(const StereoCamera& camera, const std::string& source, bool says_size) {
   std::vector<std::string> notes;
   check_baseline(camera, source, notes);
   check_focal_length(camera, source, notes);
-  check_principal_point(camera, source, says_size, notes);
+  check_principal_points(camera, source, says_size, notes);
   return notes;
 }
 

@@ -16,6 +16,15 @@ namespace flies::detail {
 /// @throws InputError naming field, value and the likely unit
 std::vector<std::string> check_plausible(const StereoCamera& camera, const std::string& source, bool says_size = true);
 
+/// Where the principal point of one camera lies in its images, rectified or not.
+/// @param field in what is thrown and told
+/// @param probable_offset from the middle, over the size of the images
+/// @returns a sentence when it is improbable, else nothing
+/// @throws InputError when cx and cy are swapped
+std::optional<std::string> check_principal_point(double cx_px, double cy_px, int width_px, int height_px,
+                                                 const std::string& source, const std::string& field,
+                                                 double probable_offset = 0.11);
+
 /// The size of the images that a camera without one is calibrated for, where that can be told: KITTI's cameras are
 /// known by their numbers; else the principal point is near the middle, which tells the half and the quarter of a size
 /// from it.

@@ -14,6 +14,14 @@ struct SideDifference {
   double left_blind_share = 0.0, right_blind_share = 0.0;
   double sharpness = 1.0;  ///< of gradients over contrast; 0.84 to 1.14 in good pairs
   double contrast = 1.0;   ///< of the standard deviations of the grey levels; 0.89 to 1.07 in good pairs
+  /// Of the image, the largest patch of one level where the other image shows something all about: 0.005 at most in 58
+  /// good pairs, a disc of 120 px in 1242 x 375 has 0.01.
+  double left_blind_patch = 0.0, right_blind_patch = 0.0;
+  /// Of the rows, those of one level throughout, between others, where the other image shows something: none in good
+  /// pairs.
+  double left_lost_rows = 0.0, right_lost_rows = 0.0;
+  /// The sharpness of the sixth of the columns that differs most towards either side: 0.7 and 2.7 in good pairs.
+  double least_sharpness = 1.0, most_sharpness = 1.0;
 };
 
 /// @param pair both images of one size, at least 64 x 48 px

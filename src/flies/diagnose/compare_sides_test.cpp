@@ -50,6 +50,32 @@ TEST(CompareSides, TellsWhichImageIsFainter) {
               ElementsAre(HasSubstr("the right image has 0.3 times the contrast")));
 }
 
+TEST(CompareSides, TellsOnWhichLensThereIsDirt) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  cv::Mat right = mat_of(pair.right);
+  cv::circle(right, {300, 120}, 40, 25, cv::FILLED);
+  EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("% of the right image shows nothing")));
+  std::swap(pair.left, pair.right);
+  EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("% of the left image shows nothing")));
+}
+
+TEST(CompareSides, TellsLostRowsButNotThoseThatRectifyingLeavesEmpty) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  mat_of(pair.left).rowRange(0, 6).setTo(0);
+  EXPECT_THAT(complaints(compare_sides(pair.view())), IsEmpty());
+  mat_of(pair.left).rowRange(100, 106).setTo(0);
+  EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("of the rows of the left image")));
+}
+
+TEST(CompareSides, TellsAPartThatIsBlurred) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  cv::Mat part = mat_of(pair.right).colRange(213, 427), blurred;
+  cv::GaussianBlur(part, blurred, {0, 0}, 8.0);
+  cv::normalize(blurred, blurred, 20, 235, cv::NORM_MINMAX);
+  blurred.copyTo(part);
+  EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("a part of the right image is 0.")));
+}
+
 TEST(MedianSideDifference, BearsAFewOddPairs) {
   const SideDifference odd{.left_blind_share = 0.5, .right_blind_share = 0.5, .sharpness = 3.0, .contrast = 0.1};
   EXPECT_THAT(complaints(median_side_difference({{}, odd, {}})), IsEmpty());

@@ -106,12 +106,9 @@ struct Band {
   int low = 0, high = 0;
 };
 
-/// The band that is worth stretching, when shifting would leave next to nothing: a hot pixel far above all others, or a
-/// scene in a narrow band of levels, as thermal cameras deliver it.
-std::optional<Band> narrow_band(std::initializer_list<const cv::Mat*> images, int bit_depth) {
+/// The levels of images of 16 bits without the darkest and the brightest pixels; nothing of images of 8 bits.
+std::optional<Band> band_of(std::initializer_list<const cv::Mat*> images) {
   constexpr double kCutOff = 0.001;  // of the pixels, at both ends
-  constexpr int kEnoughLevels = 40;  // after shifting
-  constexpr int kLeastLevels = 16;   // fewer are noise
   std::vector<std::size_t> histogram(std::size_t{1} << 16);
   std::size_t pixels = 0;
   for (const cv::Mat* image : images) {
@@ -126,9 +123,29 @@ std::optional<Band> narrow_band(std::initializer_list<const cv::Mat*> images, in
     below += histogram[static_cast<std::size_t>(++band.low)];
   for (std::size_t above = histogram.back(); above <= cut_off;)
     above += histogram[static_cast<std::size_t>(--band.high)];
-  const int levels = band.high - band.low;
+  return band;
+}
+
+/// The band that is worth stretching, when shifting would leave next to nothing: a hot pixel far above all others, or a
+/// scene in a narrow band of levels, as thermal cameras deliver it.
+std::optional<Band> narrow_band(std::initializer_list<const cv::Mat*> images, int bit_depth) {
+  constexpr int kEnoughLevels = 40;  // after shifting
+  constexpr int kLeastLevels = 16;   // fewer are noise
+  const auto band = band_of(images);
+  if (!band) return std::nullopt;
+  const int levels = band->high - band->low;
   if (levels < kLeastLevels || (levels >> (bit_depth - 8)) >= kEnoughLevels) return std::nullopt;
   return band;
+}
+
+/// Whether two bands hardly overlap, as of cameras whose offsets or bits differ, and neither is noise alone.
+bool are_apart(const std::optional<Band>& left, const std::optional<Band>& right) {
+  constexpr double kMostShared = 0.25;  // of the narrower one
+  constexpr int kLeastLevels = 64;
+  if (!left || !right) return false;
+  const int narrower = std::min(left->high - left->low, right->high - right->low);
+  const int shared = std::min(left->high, right->high) - std::max(left->low, right->low);
+  return narrower >= kLeastLevels && shared < kMostShared * narrower;
 }
 
 /// @param band of a 16-bit image to be stretched; nothing: it is shifted
@@ -179,6 +196,9 @@ GrayPair pair_of(const cv::Mat& left, const cv::Mat& right, const std::string& l
   if (cv::norm(left, right, cv::NORM_INF) == 0.0)
     throw InputError(right_path, "pixels", fmt::format("not a pair: the image is identical to {}", left_path));
   const int bit_depth = std::max(significant_bits(left), significant_bits(right));
+  const auto left_band = band_of({&left}), right_band = band_of({&right});
+  if (are_apart(left_band, right_band))
+    return {to_8_bits(left, bit_depth, left_band), to_8_bits(right, bit_depth, right_band), bit_depth};
   const auto band = narrow_band({&left, &right}, bit_depth);
   return {to_8_bits(left, bit_depth, band), to_8_bits(right, bit_depth, band), bit_depth};
 }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -101,6 +102,22 @@ TEST(LoadPair, StretchesANarrowBandOfLevelsAlikeInBoth) {
   const auto expected = [](std::uint16_t level) { return (level - 20000) * 255 / 69; };
   EXPECT_NEAR(pair.left.view().at(7, 9), expected(left.at<std::uint16_t>(9, 7)), 5);
   EXPECT_NEAR(pair.right.view().at(7, 9), expected(right.at<std::uint16_t>(9, 7)), 5);
+}
+
+TEST(LoadPair, StretchesEachImageByItsOwnLevelsWhereTheyHardlyOverlap) {
+  const TemporaryFolder folder;
+  const auto is_stretched = [](const GrayImage& image) {
+    const auto [least, most] = std::ranges::minmax_element(image.pixels);
+    return *least == 0 && *most == 255;
+  };
+  const cv::Mat eight_bits = noise(CV_16UC1, 1, 250), twelve_bits = noise(CV_16UC1, 2, 3600) + cv::Scalar(240);
+  const auto bits = load_pair(save(folder, "l.png", eight_bits), save(folder, "r.png", twelve_bits));
+  EXPECT_TRUE(is_stretched(bits.left));
+  EXPECT_TRUE(is_stretched(bits.right));
+  const cv::Mat low = noise(CV_16UC1, 1, 500) + cv::Scalar(20000), high = noise(CV_16UC1, 2, 500) + cv::Scalar(29900);
+  const auto offsets = load_pair(save(folder, "l.png", low), save(folder, "r.png", high));
+  EXPECT_TRUE(is_stretched(offsets.left));
+  EXPECT_TRUE(is_stretched(offsets.right));
 }
 
 TEST(LoadPair, LeavesSmall16BitValuesUnshifted) {

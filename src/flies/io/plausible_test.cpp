@@ -69,6 +69,21 @@ TEST(CheckPlausible, TellsAPrincipalPointFarFromTheMiddle) {
   EXPECT_THAT(fault_of(swapped), HasSubstr("cx and cy are swapped"));
 }
 
+TEST(LoadCalibration, HoldsPrincipalPointsOfRawCamerasAgainstTheSize) {
+  const TemporaryFolder folder;
+  const auto load = [&](const std::string& centre) {
+    const std::string matrix = ": {rows: 3, cols: 3, data: [700, 0, " + centre + ", 0, 0, 1]}\n";
+    return load_calibration(
+        folder.write("calib.yaml", "image_width: 1242\nimage_height: 375\nM1" + matrix + "M2" + matrix +
+                                       "D1: [0, 0, 0, 0, 0]\nD2: [0, 0, 0, 0, 0]\nR: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
+                                       "T: [-0.5, 0, 0]\n"));
+  };
+  EXPECT_THAT(load("620, 0, 700, 187").notes, ::testing::Not(::testing::Contains(HasSubstr("principal point"))));
+  EXPECT_THAT(load("420, 0, 700, 187").notes, ::testing::Contains(HasSubstr("M1: the principal point (420.0, 187.0)")));
+  EXPECT_THAT(error_of([&] { load("180, 0, 700, 610"); }),
+              ::testing::AllOf(HasSubstr("M1"), HasSubstr("cx and cy are swapped")));
+}
+
 TEST(CheckPlausible, BearsWhatRectificationCropsOffFilesThatSayTheirSize) {
   const auto moved = with(&StereoCamera::cx_px, 1242 * 0.42);
   EXPECT_EQ(note_of(moved), "");
@@ -231,12 +246,14 @@ TEST(CheckRotation, RefusesWhatIsNone) {
   EXPECT_EQ(error_of([] { check_rotation({1, 0, 0, 0, 1, 0, 0, 0, 1}, "calib", "R"); }), "no error");
 }
 
-TEST(PlainText, DropsMarksAndReadsUtf16) {
+TEST(PlainText, DropsMarksAndReadsUtf16AndUtf32) {
   using namespace std::string_literals;
   EXPECT_EQ(plain_text("\xEF\xBB\xBF"s + "a\r\nb"), "a\nb");
   EXPECT_EQ(plain_text("\xFF\xFE"s + "a\0\n\0"s), "a\n");
   EXPECT_EQ(plain_text("\xFE\xFF"s + "\0a"s), "a");
   EXPECT_EQ(plain_text("a\0b\0"s), "ab");
+  EXPECT_EQ(plain_text("\xFF\xFE\0\0"s + "a\0\0\0\xB5\0\0\0"s), "a\xC2\xB5");
+  EXPECT_EQ(plain_text("\0\0\xFE\xFF"s + "\0\0\0a"s), "a");
 }
 
 TEST(ParseNumberTable, TakesRowsThatGoOnBelowTheirKey) {

@@ -14,6 +14,33 @@
 namespace flies {
 namespace {
 
+void append_utf8(std::string& text, unsigned code) {
+  if (code < 0x80) {
+    text += static_cast<char>(code);
+  } else if (code < 0x800) {
+    text += static_cast<char>(0xC0 | code >> 6);
+    text += static_cast<char>(0x80 | (code & 0x3F));
+  } else if ((code >= 0xD800 && code < 0xE000) || code > 0xFFFF) {
+    text += '?';
+  } else {
+    text += static_cast<char>(0xE0 | code >> 12);
+    text += static_cast<char>(0x80 | (code >> 6 & 0x3F));
+    text += static_cast<char>(0x80 | (code & 0x3F));
+  }
+}
+
+/// As `utf8_of_utf16`.
+std::string utf8_of_utf32(std::string_view bytes, bool is_little_endian) {
+  std::string text;
+  for (std::size_t i = 0; i + 3 < bytes.size(); i += 4) {
+    unsigned code = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      code = code << 8 | static_cast<unsigned char>(bytes[i + (is_little_endian ? 3 - k : k)]);
+    append_utf8(text, code);
+  }
+  return text;
+}
+
 /// @param high index of the high byte in a unit: 0 big-endian, 1 little-endian. Halves of surrogate pairs become '?':
 ///             no calibration has any.
 std::string utf8_of_utf16(std::string_view bytes, std::size_t high) {
@@ -21,18 +48,7 @@ std::string utf8_of_utf16(std::string_view bytes, std::size_t high) {
   for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
     const auto unit = static_cast<unsigned>(static_cast<unsigned char>(bytes[i + high]) << 8 |
                                             static_cast<unsigned char>(bytes[i + 1 - high]));
-    if (unit < 0x80) {
-      text += static_cast<char>(unit);
-    } else if (unit < 0x800) {
-      text += static_cast<char>(0xC0 | unit >> 6);
-      text += static_cast<char>(0x80 | (unit & 0x3F));
-    } else if (unit >= 0xD800 && unit < 0xE000) {
-      text += '?';
-    } else {
-      text += static_cast<char>(0xE0 | unit >> 12);
-      text += static_cast<char>(0x80 | (unit >> 6 & 0x3F));
-      text += static_cast<char>(0x80 | (unit & 0x3F));
-    }
+    append_utf8(text, unit);
   }
   return text;
 }
@@ -41,10 +57,13 @@ std::string utf8_of_utf16(std::string_view bytes, std::size_t high) {
 
 std::string plain_text(const std::string& bytes) {
   constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF", kLittleMark = "\xFF\xFE", kBigMark = "\xFE\xFF";
+  constexpr std::string_view kLittleMark32("\xFF\xFE\0\0", 4), kBigMark32("\0\0\xFE\xFF", 4);
   const std::string_view view = bytes;
   std::string text;
   if (view.starts_with(kUtf8Mark))
     text = view.substr(kUtf8Mark.size());
+  else if (view.starts_with(kLittleMark32) || view.starts_with(kBigMark32))  // before the shorter mark
+    text = utf8_of_utf32(view.substr(kBigMark32.size()), view.starts_with(kLittleMark32));
   else if (view.starts_with(kLittleMark))
     text = utf8_of_utf16(view.substr(kLittleMark.size()), 1);
   else if (view.starts_with(kBigMark))
@@ -96,6 +115,7 @@ std::string read_bytes(const std::string& path, std::size_t max_bytes) {
 std::string read_file(const std::string& path, std::size_t max_bytes) {
   std::string bytes = read_bytes(path, max_bytes);
   if (bytes.empty()) throw InputError(path, "", "is empty");
+  if (bytes.starts_with("\x1F\x8B")) throw InputError(path, "", "is gzip-compressed: unpack it");
   return bytes;
 }
 

@@ -25,6 +25,18 @@ void count_nodes(const YAML::Node& node, const std::string& source, int depth, s
   }
 }
 
+/// The first line that is indented with a tab, from 1; 0: there is none.
+int line_with_tab(const std::string& text) {
+  int line = 1;
+  bool is_indentation = true;
+  for (const char letter : text) {
+    if (letter == '\t' && is_indentation) return line;
+    line += letter == '\n';
+    is_indentation = letter == '\n' || (is_indentation && letter == ' ');
+  }
+  return 0;
+}
+
 }  // namespace
 
 YAML::Node load_yaml(const std::string& text, const std::string& source) {
@@ -34,6 +46,9 @@ YAML::Node load_yaml(const std::string& text, const std::string& source) {
     count_nodes(root, source, 0, count);
     return root;
   } catch (const YAML::Exception& error) {
+    if (const int line = line_with_tab(text); line > 0)
+      throw InputError(source, fmt::format("line {}", line),
+                       "malformed YAML: is indented with a tab, expected blanks, as YAML wants them");
     throw InputError(source, error.mark.is_null() ? "" : fmt::format("line {}", error.mark.line + 1),
                      fmt::format("malformed YAML: {}", error.msg));
   } catch (const InputError&) {

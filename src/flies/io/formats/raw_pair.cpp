@@ -146,6 +146,10 @@ Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request
       calibration.notes.push_back(std::move(note));
       break;  // both have the same lens
     }
+  for (const auto& [camera, key] : {std::pair{&raw.left, &pair.left_key}, std::pair{&raw.right, &pair.right_key}})
+    if (const auto note =
+            check_principal_point(camera->matrix[2], camera->matrix[5], raw.width_px, raw.height_px, source, *key))
+      calibration.notes.push_back(*key + ": " + *note);
   const auto by = scale_to_images(raw.width_px, raw.height_px, request);
   if (by && (raw.width_px != request.width_px || raw.height_px != request.height_px)) {
     calibration.notes.push_back(note_on_scale(raw.width_px, raw.height_px, *by, request));

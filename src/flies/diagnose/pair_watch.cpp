@@ -1,0 +1,122 @@
+#include "flies/diagnose/pair_watch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "flies/core/pair_check.hpp"
+
+namespace flies {
+namespace {
+
+/// Of the parts of an image, those that must show something: as the diagnosis of a run has it.
+constexpr double kNothingTextured = 0.1;
+constexpr double kTexture_gray = 3.0;
+
+/// What is told of a kind of trouble, in the order of `PairTrouble`.
+struct Words {
+  const char* first;  ///< what is seen, and what to check
+  const char* count;  ///< before "in 4 of 12 pairs"
+};
+constexpr Words kWords[kPairTroubles] = {
+    {"there is nothing to match in the left image, so nothing seen does not mean that nothing is there: is that camera "
+     "dark, blinded or covered?",
+     "nothing to match in the left image"},
+    {"there is nothing to match in the right image, so nothing seen does not mean that nothing is there: is that "
+     "camera dark, blinded or covered?",
+     "nothing to match in the right image"},
+    {"left and right seem to be swapped", "left and right swapped"},
+    {"hardly any place of the left image is found on the same row of the right one: were they taken at different "
+     "moments, or of other scenes?",
+     "images that hardly belong together"},
+    {"the left image is that of the pair before to the bit, and the right one is not: does the left camera hang?",
+     "the left image of the pair before"},
+    {"the right image is that of the pair before to the bit, and the left one is not: does the right camera hang?",
+     "the right image of the pair before"},
+    {"both images are those of the pair before to the bit: do the cameras hang, or are pairs repeated?",
+     "both images of the pair before"},
+};
+
+/// A sum over every 16th row that differs where the rows do.
+std::uint64_t sum_of_rows(const GrayView& image) {
+  constexpr int kEvery = 16;
+  constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15U;
+  std::uint64_t sum = 0;
+  for (int v = kEvery / 2; v < image.height_px; v += kEvery) {
+    const std::uint8_t* row = image.row(v);
+    for (int u = 0; u + 8 <= image.width_px; u += 8) {
+      std::uint64_t eight = 0;
+      std::memcpy(&eight, row + u, sizeof eight);
+      sum = (sum ^ eight) * kOdd;
+      sum ^= sum >> 29;
+    }
+  }
+  return sum;
+}
+
+/// Whether enough cells of a coarse grid show something, judged by a few pixels of each.
+bool is_blank(const GrayView& image) {
+  constexpr int kColumns = 20, kRows = 8, kSamples = 8;  // a side
+  int textured = 0;
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      int sum = 0, squares = 0;
+      for (int j = 0; j < kSamples; ++j) {
+        const std::uint8_t* pixels = image.row(image.height_px * (row * kSamples + j) / (kRows * kSamples));
+        for (int i = 0; i < kSamples; ++i) {
+          const int level = pixels[image.width_px * (column * kSamples + i) / (kColumns * kSamples)];
+          sum += level;
+          squares += level * level;
+        }
+      }
+      constexpr double kPixels = kSamples * kSamples;
+      const double mean = sum / kPixels;
+      textured += squares / kPixels - mean * mean >= kTexture_gray * kTexture_gray;
+    }
+  return textured < kNothingTextured * kColumns * kRows;
+}
+
+}  // namespace
+
+bool PairWatch::meet(PairTrouble trouble, const std::string& name) {
+  Met& met = met_[static_cast<std::size_t>(trouble)];
+  if (met.pairs++ > 0) return false;
+  met.first = name;
+  return true;
+}
+
+std::vector<std::string> PairWatch::look(const RectifiedPair& pair, const StereoCamera& camera,
+                                         const std::string& name) {
+  std::vector<std::string> found;
+  const auto tell = [&](PairTrouble trouble) {
+    if (meet(trouble, name))
+      found.push_back(fmt::format("{}: {}", name, kWords[static_cast<std::size_t>(trouble)].first));
+  };
+  ++pairs_;
+  const std::array sums{sum_of_rows(pair.left), sum_of_rows(pair.right)};
+  const bool left_repeats = last_ && (*last_)[0] == sums[0], right_repeats = last_ && (*last_)[1] == sums[1];
+  last_ = sums;
+  const bool left_blank = is_blank(pair.left), right_blank = is_blank(pair.right);
+  if (left_blank) tell(PairTrouble::left_blank);
+  if (right_blank) tell(PairTrouble::right_blank);
+  if (left_repeats && right_repeats)
+    tell(PairTrouble::both_repeat);
+  else if (left_repeats || right_repeats)
+    tell(left_repeats ? PairTrouble::left_repeats : PairTrouble::right_repeats);
+  if (left_blank || right_blank) return found;  // nothing to compare
+  const PairOrder order = order_of_pair(pair, camera);
+  if (order != PairOrder::good) tell(order == PairOrder::swapped ? PairTrouble::swapped : PairTrouble::unrelated);
+  return found;
+}
+
+std::vector<std::string> PairWatch::counts() const {
+  std::vector<std::string> sentences;
+  for (std::size_t i = 0; i < kPairTroubles; ++i)
+    if (met_[i].pairs > 0)
+      sentences.push_back(
+          fmt::format("{} of {} pairs: {}; the first: {}", met_[i].pairs, pairs_, kWords[i].count, met_[i].first));
+  return sentences;
+}
+
+}  // namespace flies

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "flies/core/gray_view.hpp"
+#include "flies/core/stereo_camera.hpp"
+
+namespace flies {
+
+/// What can go wrong with some pairs of a run.
+enum class PairTrouble {
+  left_blank,     ///< nothing to match in the left image: dark, white, covered
+  right_blank,    ///< the same of the right one
+  swapped,        ///< left and right
+  unrelated,      ///< not two views of one scene at one moment, or not rectified
+  left_repeats,   ///< the left image is that of the pair before to the bit, the right one is not
+  right_repeats,  ///< the other way round
+  both_repeat,    ///< both are those of the pair before
+};
+inline constexpr std::size_t kPairTroubles = 7;
+
+/// Looks at every pair of a run, as cheaply as can be (0.3 ms), for what the diagnosis of a few pairs does not see:
+/// faults that begin, or come and go, while the run lasts.
+class PairWatch {
+ public:
+  /// @param pair rectified, both images of one size, 64 x 48 px at least; the next one of the run
+  /// @param name of the pair, in what is told
+  /// @returns a sentence for each kind of trouble that is met for the first time
+  std::vector<std::string> look(const RectifiedPair& pair, const StereoCamera& camera, const std::string& name);
+
+  /// A sentence for each kind of trouble with the pairs that have it and the first of them; empty when all are well.
+  std::vector<std::string> counts() const;
+
+ private:
+  struct Met {
+    std::uint64_t pairs = 0;
+    std::string first;
+  };
+  bool meet(PairTrouble trouble, const std::string& name);
+
+  std::array<Met, kPairTroubles> met_{};
+  std::uint64_t pairs_ = 0;
+  std::optional<std::array<std::uint64_t, 2>> last_;  ///< sums of the pair before
+};
+
+}  // namespace flies
