@@ -110,7 +110,9 @@ TEST_F(TrackCommand, WritesKittisTrackingFormat) {
 
 TEST_F(TrackCommand, PlacesOfKittisFormatPitchWithTheCamera) {
   const auto first_place = [&](const std::string& pitch_deg) {
-    const RunResult result = run({"--calib", "calib.txt", "--rate", "10", "--kitti", "-", "--camera-pitch", pitch_deg});
+    const RunResult result =
+        run_flies(folder.path(), {"track", "left", "right", "--calib", "calib.txt", "--rate", "10", "--kitti", "-",
+                                  "--camera-height", "1.65", "--camera-pitch", pitch_deg});
     EXPECT_EQ(result.status, 0) << result.err;
     std::istringstream words(lines(result.out).at(0));
     std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
