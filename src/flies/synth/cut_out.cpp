@@ -87,7 +87,8 @@ cv::Mat largest_patch(const cv::Mat& mask) {
   const auto largest =
       std::ranges::max_element(outlines, {}, [](const auto& outline) { return cv::contourArea(outline); });
   cv::drawContours(patch, outlines, static_cast<int>(largest - outlines.begin()), cv::Scalar(255), cv::FILLED);
-  return patch & mask;
+  cv::bitwise_and(patch, mask, patch);
+  return patch;
 }
 
 bool is_a_standing_person(const cv::Mat& mask, double person_share) {
@@ -149,7 +150,11 @@ std::optional<CutOut> cut_out_person(const GrayView& crop, double person_share) 
   cv::Mat labels = outline_of_a_person(gray.size(), person_share), inside, outside;
   cv::theRNG().state = 1;  // the graph cut begins with clusters of grey levels that it draws
   cv::grabCut(features_of(gray), labels, {}, inside, outside, kRounds, cv::GC_INIT_WITH_MASK);
-  const cv::Mat is_person = (labels == cv::GC_FGD) | (labels == cv::GC_PR_FGD);
+  // Not OpenCV's expressions of matrices, whose shared state ThreadSanitizer cannot see set up.
+  cv::Mat is_surely, is_probably, is_person;
+  cv::compare(labels, static_cast<int>(cv::GC_FGD), is_surely, cv::CMP_EQ);
+  cv::compare(labels, static_cast<int>(cv::GC_PR_FGD), is_probably, cv::CMP_EQ);
+  cv::bitwise_or(is_surely, is_probably, is_person);
   cv::Mat mask;
   cv::morphologyEx(is_person, mask, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
   mask = largest_patch(mask);
