@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "tbb/stand_in.hpp"
 
 namespace tbb {
@@ -28,6 +30,8 @@ class task_arena {
 };
 
 namespace this_task_arena {
+
+inline int max_concurrency() { return std::max(1, stand_in::allowed_threads()); }
 
 /// Nobody here takes up a task of others while waiting.
 template <class Work>
