@@ -72,7 +72,7 @@ TEST(DecodePnm, StretchesLevelsWhoseMaximumIsLower) {
 std::string packed_bmp(const std::string& rows, int packing = 1) {
   const auto number = [](std::size_t value, int bytes) {
     std::string text;
-    for (int i = 0; i < bytes; ++i) text += static_cast<char>(value >> (8 * i) & 255U);
+    for (int i = 0; i < bytes; ++i, value >>= 8) text += static_cast<char>(value & 255U);
     return text;
   };
   std::string palette;
