@@ -38,7 +38,6 @@ flies::CalibrationRequest request_of(const CalibArguments& arguments) {
   request.right_path = arguments.camera.right_calib;
   request.images_are_raw = arguments.camera.is_raw;
   request.images_are_resized = arguments.camera.is_resized;
-  request.baseline_m = arguments.camera.baseline_m;
   fill_in(request, arguments.camera);
   if (arguments.size_px.size() == 2) {
     request.width_px = arguments.size_px[0];

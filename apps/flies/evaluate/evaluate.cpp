@@ -252,6 +252,7 @@ void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
       ->required();
   add_cameras_option(command, arguments.camera, "of a KITTI drive, e.g. 2,3; else 0,1 when there, else 2,3");
   command.add_option("--calib", arguments.calib, "calibration, where the folder holds none")->type_name("FILE");
+  add_baseline_option(command, arguments.camera);
   add_mount_options(command, arguments.camera);
   add_correction_options(command, arguments.corrections);
   command

@@ -64,7 +64,6 @@ flies::CalibrationRequest calibration_request(const CameraArguments& arguments, 
   request.right_path = arguments.right_calib;
   request.images_are_raw = arguments.is_raw;
   request.images_are_resized = arguments.is_resized;
-  request.baseline_m = arguments.baseline_m;
   request.width_px = images.left.width_px;
   request.height_px = images.left.height_px;
   return request;

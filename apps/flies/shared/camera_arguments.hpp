@@ -36,6 +36,7 @@ void add_cameras_option(CLI::App& command, CameraArguments& arguments, const std
 template <class Request>
 void fill_in(Request& request, const CameraArguments& arguments) {
   if (!arguments.cameras.empty()) request.cameras = std::array{arguments.cameras[0], arguments.cameras[1]};
+  request.baseline_m = arguments.baseline_m;
   request.camera_height_m = arguments.height_m;
   if (arguments.pitch_deg) request.camera_pitch_rad = flies::radians(*arguments.pitch_deg);
   if (arguments.roll_deg) request.camera_roll_rad = flies::radians(*arguments.roll_deg);

@@ -188,6 +188,11 @@ TEST(OpenDataset, TellsWhatTheCalibrationIsDoubtedFor) {
              "pitch_deg: 0\n");
   folder.add_scene(1);
   EXPECT_THAT(open_dataset(folder.path()).notes, ElementsAre(HasSubstr("calib.yaml: a baseline of 5.4 m")));
+  DatasetRequest said;
+  said.baseline_m = 0.54;
+  const Dataset overruled = open_dataset(folder.path(), said);
+  EXPECT_EQ(overruled.load(0).camera.baseline_m, 0.54);
+  EXPECT_THAT(overruled.notes, ElementsAre(HasSubstr("the baseline is 0.54 m as was said, not 5.4")));
 }
 
 TEST(OpenDataset, ReadsFootPointsAndTellsTheAssumedHeight) {

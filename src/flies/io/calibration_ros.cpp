@@ -94,16 +94,14 @@ struct RosCamera {
   }
 };
 
-void check_same_size(const RosCamera& left, const RosCamera& right) {
-  if (left.width_px() != right.width_px() || left.height_px() != right.height_px())
-    throw InputError(right.table.source, right.prefix + "image size",
-                     fmt::format("found {} x {} px, expected {} x {} px as for the left camera", right.width_px(),
-                                 right.height_px(), left.width_px(), left.height_px()));
+void check_same_size_of(const RosCamera& left, const RosCamera& right) {
+  check_same_size({left.width_px(), left.height_px()}, {right.width_px(), right.height_px()}, right.table.source,
+                  right.prefix + "image size");
 }
 
 Calibration read_ros_pair(const RosCamera& left, const RosCamera& right, const CalibrationRequest&) {
   auto calibration = calibration_from_projections(left.projection(), right.projection());
-  check_same_size(left, right);
+  check_same_size_of(left, right);
   calibration.camera.width_px = left.width_px();
   calibration.camera.height_px = left.height_px();
   if (left.is_distorted() || right.is_distorted())
@@ -115,7 +113,7 @@ Calibration read_ros_pair(const RosCamera& left, const RosCamera& right, const C
 
 /// Of images as the cameras gave them: the file says how each of them is rectified, and so where the other stands.
 Calibration read_raw_ros_pair(const RosCamera& left, const RosCamera& right, const CalibrationRequest& request) {
-  check_same_size(left, right);
+  check_same_size_of(left, right);
   RawPair pair{{},
                left.key("camera_matrix", "K", "k"),
                right.key("camera_matrix", "K", "k"),

@@ -23,6 +23,7 @@ using flies::testing::kWritten_m;
 using flies::testing::list;
 using flies::testing::numbers;
 using flies::testing::of_raw_images;
+using flies::testing::opencv_matrix;
 using flies::testing::rectified;
 using flies::testing::right_from_left;
 using flies::testing::rows;
@@ -33,11 +34,6 @@ using ::testing::HasSubstr;
 
 std::vector<double> four_of(const std::vector<double>& coefficients) {
   return {coefficients.begin(), coefficients.begin() + 4};
-}
-
-std::string opencv_matrix(const std::string& key, const cv::Mat& m, const char* colon = ": ") {
-  return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data{}{}\n", key, m.rows, m.cols,
-                     colon, list(numbers(m)));
 }
 
 /// ORB-SLAM2's settings of raw images.
@@ -173,6 +169,19 @@ TEST(FoundFormats, OmnidirectionalFilesOfOpenCvNameTheirMirrors) {
       opencv_matrix("xi_2", cv::Mat_<double>(1, 1) << 1.5) + opencv_matrix("R", cv::Mat(rig.r)) +
       opencv_matrix("T", cv::Mat(rig.t));
   expect_rectifies(load_calibration(folder.write("c", text)), rig);
+}
+
+TEST(FoundFormats, LensesWithoutCoefficientsAreTakenAsFreeOfDistortion) {
+  const TemporaryFolder folder;
+  ToyRig rig;
+  rig.d1 = rig.d2 = {0.0, 0.0, 0.0, 0.0, 0.0};
+  const auto calibration = load_calibration(folder.write(
+      "c.json",
+      fmt::format("{{\"width\": 640, \"height\": 480, \"left_intrinsics\": {}, \"right_intrinsics\": {}, "
+                  "\"rotation_left_to_right\": {}, \"translation_left_to_right\": {}}}",
+                  rows(cv::Mat(rig.m1)), rows(cv::Mat(rig.m2)), rows(cv::Mat(rig.r)), list(numbers(cv::Mat(rig.t))))));
+  EXPECT_THAT(calibration.notes, Contains(HasSubstr("no coefficients of distortion")));
+  expect_rectifies(calibration, rig);
 }
 
 TEST(FoundFormats, StellaVslamOfRectifiedAndOfRawImages) {

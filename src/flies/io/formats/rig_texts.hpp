@@ -35,6 +35,13 @@ inline std::string rows(const cv::Mat& m) {
   return "[" + text + "]";
 }
 
+/// As OpenCV's FileStorage writes it to YAML.
+/// @param colon behind the key of its numbers
+inline std::string opencv_matrix(const std::string& key, const cv::Mat& m, const char* colon = ": ") {
+  return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data{}{}\n", key, m.rows, m.cols,
+                     colon, list(numbers(m)));
+}
+
 /// right_from_left as a 4 x 4 matrix.
 inline cv::Mat right_from_left(const ToyRig& rig) {
   cv::Mat pose = cv::Mat::eye(4, 4, CV_64F);

@@ -23,6 +23,7 @@ using flies::testing::kWritten_m;
 using flies::testing::list;
 using flies::testing::numbers;
 using flies::testing::of_raw_images;
+using flies::testing::opencv_matrix;
 using flies::testing::rectified;
 using flies::testing::right_from_left;
 using flies::testing::rows;
@@ -129,11 +130,6 @@ std::string keyed(const std::string& prefix, std::initializer_list<std::pair<con
   std::string text;
   for (const auto& [key, value] : values) text += fmt::format("{}{}: {}\n", prefix, key, value);
   return text;
-}
-
-std::string opencv_matrix(const std::string& key, const cv::Mat& m) {
-  return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data: {}\n", key, m.rows, m.cols,
-                     list(numbers(m)));
 }
 
 TEST(Formats, OrbSlam3RectifiesPinholesAndFisheyes) {
