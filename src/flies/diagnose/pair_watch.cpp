@@ -17,7 +17,7 @@ constexpr double kTexture_gray = 3.0;
 /// What is told of a kind of trouble, in the order of `PairTrouble`.
 struct Words {
   const char* first;  ///< what is seen, and what to check
-  const char* count;  ///< before "in 4 of 12 pairs"
+  const char* count;  ///< behind "4 of 12 pairs: "
 };
 constexpr Words kWords[kPairTroubles] = {
     {"there is nothing to match in the left image, so nothing seen does not mean that nothing is there: is that camera "
@@ -55,7 +55,7 @@ std::uint64_t sum_of_rows(const GrayView& image) {
   return sum;
 }
 
-/// Whether enough cells of a coarse grid show something, judged by a few pixels of each.
+/// Whether hardly a cell of a coarse grid shows anything, judged by a few pixels of each.
 bool is_blank(const GrayView& image) {
   constexpr int kColumns = 20, kRows = 8, kSamples = 8;  // a side
   int textured = 0;
