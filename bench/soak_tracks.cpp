@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/mat_view.hpp"
 #include "flies/eval/dataset.hpp"
 #include "flies/pipeline/tracker.hpp"
 
@@ -43,9 +44,8 @@ flies::GrayImage half(const flies::GrayImage& image) {
   small.width_px = image.width_px / 2;
   small.height_px = image.height_px / 2;
   small.pixels.resize(static_cast<std::size_t>(small.width_px) * static_cast<std::size_t>(small.height_px));
-  const cv::Mat large(image.height_px, image.width_px, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
   cv::Mat target(small.height_px, small.width_px, CV_8UC1, small.pixels.data());
-  cv::resize(large, target, target.size(), 0, 0, cv::INTER_AREA);
+  cv::resize(flies::mat_of(image.view()), target, target.size(), 0, 0, cv::INTER_AREA);
   return small;
 }
 

@@ -12,6 +12,7 @@
 #include "flies/classify/hog.hpp"
 #include "flies/classify/people_classifier.hpp"
 #include "flies/core/error.hpp"
+#include "flies/eval/reliability.hpp"
 #include "flies/train/calibrate.hpp"
 #include "flies/train/validate.hpp"
 
@@ -30,20 +31,13 @@ double share_above(std::span<const double> values, double threshold) {
          static_cast<double>(values.size());
 }
 
-/// Mean distance of probability and share of people in ten bins of probability, weighted by windows.
-double expected_calibration_error(std::span<const double> people, std::span<const double> background) {
-  constexpr std::size_t kBins = 10;
-  double sum[kBins] = {}, hits[kBins] = {};
-  const auto add = [&](double probability, double hit) {
-    const auto bin = std::min(kBins - 1, static_cast<std::size_t>(probability * kBins));
-    sum[bin] += probability;
-    hits[bin] += hit;
+double calibration_error(std::span<const double> people, std::span<const double> background) {
+  const auto log_odds = [](std::span<const double> probabilities) {
+    std::vector<double> values;
+    for (const double p : probabilities) values.push_back(std::log(p / (1.0 - p)));
+    return values;
   };
-  for (const double p : people) add(p, 1.0);
-  for (const double p : background) add(p, 0.0);
-  double error = 0.0;
-  for (std::size_t bin = 0; bin < kBins; ++bin) error += std::abs(sum[bin] - hits[bin]);
-  return error / static_cast<double>(people.size() + background.size());
+  return reliability({{{"", log_odds(people)}}, {log_odds(background)}}).calibration_error;
 }
 
 /// Of a window that the first look lets through.
@@ -140,7 +134,7 @@ std::string missed_line(const std::string& name, std::span<const double> people,
   std::string line = fmt::format("{:<22}", name);
   for (const double share : {1e-3, 3e-3, 1e-2, 3e-2})
     line += fmt::format("  {:g}: {:.3f}", share, 1.0 - share_above(people, value_at(background, share)));
-  return line + fmt::format("  ECE {:.4f}\n", expected_calibration_error(people, background));
+  return line + fmt::format("  ECE {:.4f}\n", calibration_error(people, background));
 }
 
 TrainingResult validated(const PeopleModel& model, const JudgedPlaces& places, std::span<const double> people,

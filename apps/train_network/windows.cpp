@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "flies/classify/resample.hpp"
+#include "flies/core/box_overlap.hpp"
 #include "flies/core/error.hpp"
 #include "flies/eval/dataset.hpp"
 #include "flies/eval/people.hpp"
@@ -70,21 +71,14 @@ bool is_kept_apart(const std::string& name) {
   return number / (is_sequence ? 50 : 10) % 2 == 1;
 }
 
-double intersection_px2(const ImageBox& a, const ImageBox& b) {
-  const double width = std::min(a.u_px + a.width_px, b.u_px + b.width_px) - std::max(a.u_px, b.u_px);
-  const double height = std::min(a.v_px + a.height_px, b.v_px + b.height_px) - std::max(a.v_px, b.v_px);
-  return std::max(0.0, width) * std::max(0.0, height);
-}
-
 bool is_clear(const ImageBox& window, const Picture& picture) {
   constexpr double kMaxOverlap = 0.3, kMaxUnclear = 0.25;
-  const double area = window.width_px * window.height_px;
   return std::none_of(picture.people.begin(), picture.people.end(),
                       [&](const ImageBox& person) {
                         return intersection_over_union(window, window_around(person, kPersonShare)) > kMaxOverlap;
                       }) &&
          std::none_of(picture.unclear.begin(), picture.unclear.end(), [&](const ImageBox& box) {
-           return intersection_px2(window, box) > kMaxUnclear * std::min(area, box.width_px * box.height_px);
+           return intersection_px2(window, box) > kMaxUnclear * std::min(area_px2(window), area_px2(box));
          });
 }
 

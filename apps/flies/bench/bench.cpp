@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,6 +17,7 @@
 #include "flies/version.hpp"
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
+#include "shared/cpu_name.hpp"
 #include "shared/standard_output.hpp"
 
 namespace {
@@ -73,13 +73,6 @@ BenchInput bench_input(const BenchArguments& arguments) {
   if (arguments.right.empty()) complain("RIGHT", "missing, expected the right image");
   if (arguments.calib.empty()) complain("--calib", "missing, expected the calibration of the pair");
   return input_from_files(arguments);
-}
-
-std::string cpu_name() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  return "not known";
 }
 
 nlohmann::ordered_json json_of(const Times& times) {

@@ -12,6 +12,8 @@
 #include <opencv2/objdetect.hpp>
 #include <utility>
 
+#include "flies/core/mat_view.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/pipeline/detector.hpp"
 
 namespace {
@@ -34,21 +36,8 @@ double milliseconds(const std::function<void()>& work) {
 }
 
 /// @param times not empty
-Times summary(std::vector<double> times) {
-  std::sort(times.begin(), times.end());
-  const auto quantile = [&](double share) {
-    const double at = share * static_cast<double>(times.size() - 1);
-    const auto below = static_cast<std::size_t>(at);
-    const double above = times[std::min(below + 1, times.size() - 1)];
-    return times[below] + (at - static_cast<double>(below)) * (above - times[below]);
-  };
-  return {quantile(0.5), quantile(0.25), quantile(0.75)};
-}
-
-/// OpenCV has no view of constant pixels; it only reads them here.
-cv::Mat view_of(const flies::GrayView& image) {
-  return {image.height_px, image.width_px, CV_8UC1, const_cast<std::uint8_t*>(image.data),
-          static_cast<std::size_t>(image.stride)};
+Times summary(const std::vector<double>& times) {
+  return {*flies::median(times), flies::quantile(times, 0.25), flies::quantile(times, 0.75)};
 }
 
 double work_ms(const flies::Detection& found) {
@@ -186,15 +175,11 @@ cv::Mat enlarged(const cv::Mat& image) {
   return larger;
 }
 
-flies::GrayView view_of(const cv::Mat& image) {
-  return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step)};
-}
-
 }  // namespace
 
 BenchResult run_bench(const flies::RectifiedPair& pair, const flies::StereoCamera& camera, const BenchPlan& plan) {
   cv::setNumThreads(1);
-  const cv::Mat left = view_of(pair.left), right = view_of(pair.right);
+  const cv::Mat left = flies::mat_of(pair.left), right = flies::mat_of(pair.right);
 
   std::vector<std::unique_ptr<FrameBench>> frames;
   for (const auto preset : {flies::Preset::standard, flies::Preset::paper})
@@ -223,7 +208,7 @@ BenchResult run_bench(const flies::RectifiedPair& pair, const flies::StereoCamer
   const int flies = flies::DetectorOptions().evolve.flies;
   std::vector<GrowthBench> by_pixels;
   by_pixels.emplace_back(pair, camera, flies);
-  by_pixels.emplace_back(flies::RectifiedPair{view_of(larger_left), view_of(larger_right)}, enlarged(camera), flies);
+  by_pixels.emplace_back(flies::view_of(larger_left, larger_right), enlarged(camera), flies);
   result.by_pixels = grow(std::move(by_pixels), plan.runs);
   return result;
 }

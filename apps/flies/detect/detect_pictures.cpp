@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "flies/concentrate/concentrate.hpp"
+#include "flies/core/mat_view.hpp"
 #include "flies/draw/draw.hpp"
 #include "flies/evolve/evolve.hpp"
 
@@ -68,11 +69,7 @@ std::optional<Aim> nearest_found(const flies::Detection& detection) {
 
 }  // namespace
 
-cv::Mat ProcessedFrame::left() const {
-  // OpenCV has no view of constant pixels; nobody writes through this one.
-  return {pair.left.height_px, pair.left.width_px, CV_8UC1, const_cast<std::uint8_t*>(pair.left.data),
-          static_cast<std::size_t>(pair.left.stride)};
-}
+cv::Mat ProcessedFrame::left() const { return flies::mat_of(pair.left); }
 
 cv::Mat overlay_picture(const ProcessedFrame& frame) {
   const flies::Detection& detection = *frame.detection;

@@ -74,11 +74,7 @@ Json json_of(const flies::FalseAlarm& alarm) {
           {"x_m", rounded(person.x_m)},
           {"y_m", rounded(person.y_m)},
           {"probability", rounded(person.probability)},
-          {"box",
-           {{"u_px", rounded(person.box.u_px)},
-            {"v_px", rounded(person.box.v_px)},
-            {"width_px", rounded(person.box.width_px)},
-            {"height_px", rounded(person.box.height_px)}}}};
+          {"box", flies::box_json(person.box)}};
 }
 
 Json json_of(const flies::PeopleResult& people, const Evaluation& evaluation) {

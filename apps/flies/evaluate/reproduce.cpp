@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +12,7 @@
 #include "flies/reproduce/report.hpp"
 #include "flies/version.hpp"
 #include "shared/commands.hpp"
+#include "shared/cpu_name.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/standard_output.hpp"
 
@@ -26,13 +26,6 @@ struct ReproduceArguments {
   int scenes = 4;
   std::string seed = "1";
 };
-
-std::string cpu_name() {
-  std::ifstream cpuinfo("/proc/cpuinfo");
-  for (std::string line; std::getline(cpuinfo, line);)
-    if (line.starts_with("model name") && line.find(": ") != std::string::npos) return line.substr(line.find(": ") + 2);
-  return "not known";
-}
 
 std::string command_line(const ReproduceArguments& a) {
   std::string text = fmt::format("flies reproduce --seeds {} --seed {} --scenes {}", a.seeds, a.seed, a.scenes);

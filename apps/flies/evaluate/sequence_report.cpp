@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <map>
 #include <optional>
 #include <vector>
@@ -27,8 +26,7 @@ struct Spread {
 Spread spread_of(std::vector<double> values) {
   if (values.empty()) return {};
   constexpr double kMost = 0.9;
-  std::sort(values.begin(), values.end());
-  const double most = values[static_cast<std::size_t>(kMost * static_cast<double>(values.size() - 1))];
+  const double most = flies::quantile(values, kMost);
   const std::size_t count = values.size();
   return {count, flies::median(std::move(values)), most};
 }

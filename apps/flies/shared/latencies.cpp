@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include "flies/core/quantile.hpp"
 
 namespace {
 
@@ -19,7 +19,5 @@ void Latencies::add(double latency_ms) {
 }
 
 std::string Latencies::text() const {
-  auto sorted = newest_ms_;
-  std::ranges::sort(sorted);
-  return fmt::format("latency {:.1f} ms, p99 {:.1f} ms", sorted[sorted.size() / 2], sorted[sorted.size() * 99 / 100]);
+  return fmt::format("latency {:.1f} ms, p99 {:.1f} ms", *flies::median(newest_ms_), flies::quantile(newest_ms_, 0.99));
 }

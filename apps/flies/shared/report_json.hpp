@@ -1,16 +1,11 @@
 #pragma once
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "flies/core/options.hpp"
+#include "flies/io/json_values.hpp"
 
-/// A number with six decimals; what is not finite becomes null.
-inline nlohmann::ordered_json rounded(double value) {
-  constexpr double kDigits = 1e6;
-  if (!std::isfinite(value)) return nullptr;
-  return std::round(value * kDigits) / kDigits + 0.0;  // + 0 turns -0 into 0
-}
+using flies::rounded;
 
 /// Options by their dotted names: numbers and truth values as such, names as texts.
 template <class Options>

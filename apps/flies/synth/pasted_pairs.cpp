@@ -10,6 +10,7 @@
 
 #include "flies/core/box_overlap.hpp"
 #include "flies/core/error.hpp"
+#include "flies/core/mat_view.hpp"
 #include "flies/eval/footprint.hpp"
 #include "flies/eval/yardstick.hpp"
 #include "flies/io/calibration.hpp"
@@ -90,8 +91,7 @@ void append_labelled(const flies::FrameTruth& truth, std::vector<flies::TruthObj
 }
 
 void write_gray_png(const std::string& path, const flies::GrayImage& image) {
-  flies::write_png(path,
-                   cv::Mat(image.height_px, image.width_px, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data())));
+  flies::write_png(path, flies::mat_of(image.view()));
 }
 
 bool is_same(const flies::StereoCamera& a, const flies::StereoCamera& b) {

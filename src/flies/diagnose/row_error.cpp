@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "flies/core/mat_view.hpp"
 #include "flies/core/quantile.hpp"
 
 namespace flies {
@@ -23,12 +24,6 @@ constexpr int kRounds = 10;
 /// Corners are followed no farther up or down than this share of the height: a pair that is worse is no pair.
 constexpr double kMaxRows = 0.1;
 
-cv::Mat as_mat(const GrayView& image) {
-  // OpenCV has no view of constant pixels; nothing writes to this one.
-  return {image.height_px, image.width_px, CV_8UC1, const_cast<std::uint8_t*>(image.row(0)),
-          static_cast<std::size_t>(image.stride)};
-}
-
 }  // namespace
 
 double RowError::largest_px() const { return std::max(std::abs(at(0.0)), std::abs(at(2.0 * middle_u_px))); }
@@ -36,7 +31,7 @@ double RowError::largest_px() const { return std::max(std::abs(at(0.0)), std::ab
 double RowError::typical_px() const { return std::hypot(offset_px, slope * 2.0 * middle_u_px / std::sqrt(12.0)); }
 
 std::vector<CornerMatch> match_corners(const RectifiedPair& pair) {
-  const cv::Mat left = as_mat(pair.left), right = as_mat(pair.right);
+  const cv::Mat left = mat_of(pair.left), right = mat_of(pair.right);
   std::vector<cv::Point2f> corners, found, back;
   cv::goodFeaturesToTrack(left, corners, kCorners, 0.01, std::max(4.0, pair.left.width_px / 100.0));
   if (corners.empty()) return {};

@@ -46,8 +46,18 @@ TEST(DrawErrorCurves, RunsAlongTheLowerEdgeWhereNothingIsMissed) {
 TEST(DrawErrorCurves, MarksTheOperatingPoint) {
   ErrorCurve curve = flat_curve(0.1);
   const cv::Mat without = draw_error_curves({&curve, 1});
-  curve.operating_point = ErrorPoint{1e-3, 0.1};
-  EXPECT_GT(changed_rows(draw_error_curves({&curve, 1}), without).size(), 0);
+  const auto middle = [](const cv::Range& range) { return 0.5 * (range.start + range.end); };
+  const double row_of_curve = changed_rows(without, draw_error_curves({}, {})).start;  // its key stands lower
+  const auto columns_of = [&](double false_positives) {
+    curve.operating_point = ErrorPoint{false_positives, 0.1};
+    const cv::Mat with = draw_error_curves({&curve, 1});
+    const cv::Range rows = changed_rows(with, without);
+    EXPECT_NEAR(rows.size(), 11, 3);  // a disc
+    EXPECT_NEAR(middle(rows), row_of_curve, 3.0) << "on the curve";
+    return changed_rows(with.t(), without.t());
+  };
+  EXPECT_NEAR(columns_of(1e-3).size(), 11, 3);
+  EXPECT_LT(columns_of(1e-4).end, columns_of(1e-2).start);
 }
 
 TEST(DrawErrorCurves, LeavesOutWhatIsNotFinite) {

@@ -8,6 +8,9 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+#include <optional>
+
+#include "flies/core/mat_view.hpp"
 
 namespace flies::ego {
 namespace {
@@ -23,18 +26,12 @@ const cv::Size kWindow(13, 13);
 const cv::TermCriteria kUntil(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 10, 0.02);
 constexpr double kMinEigenvalue = 1e-3;
 
-cv::Mat as_mat(const GrayView& view) {
-  // OpenCV has no view of constant pixels; nothing writes to this one.
-  return cv::Mat(view.height_px, view.width_px, CV_8UC1, const_cast<std::uint8_t*>(view.data),
-                 static_cast<std::size_t>(view.stride));
-}
-
 cv::Mat scaled(const GrayView& view, int scale) {
-  if (scale == 1) return as_mat(view);
+  if (scale == 1) return mat_of(view);
   // Without the odd row and column each small pixel is the mean of whole ones: exact, and ten times as fast.
   const cv::Size size(view.width_px / scale, view.height_px / scale);
   cv::Mat small;
-  cv::resize(as_mat(view)(cv::Rect({}, size * scale)), small, size, 0, 0, cv::INTER_AREA);
+  cv::resize(mat_of(view)(cv::Rect({}, size * scale)), small, size, 0, 0, cv::INTER_AREA);
   return small;
 }
 
@@ -82,20 +79,20 @@ int patch_difference(const cv::Mat& left, const cv::Mat& right, int u_left, int 
   return sum;
 }
 
-/// Whole-pixel disparity of one corner; negative when there is no clear one.
-int search_disparity(const cv::Mat& left, const cv::Mat& right, int u, int v, int min_px, int max_px) {
+/// Whole-pixel disparity of one corner; nothing when there is no clear one.
+std::optional<int> search_disparity(const cv::Mat& left, const cv::Mat& right, int u, int v, int min_px, int max_px) {
   const int last = std::min({max_px, u - kHalfWidth_px}), first = std::max(min_px, u + kHalfWidth_px - right.cols);
   std::array<int, kMaxDisparity_px + 1> costs{};
-  int best = -1;
+  if (last < first) return std::nullopt;
+  int best = first;
   for (int d = first; d <= last; ++d) {
     const auto at = static_cast<std::size_t>(d - first);
     costs[at] = patch_difference(left, right, u, u - d, v);
-    if (best < 0 || costs[at] < costs[static_cast<std::size_t>(best - first)]) best = d;
+    if (costs[at] < costs[static_cast<std::size_t>(best - first)]) best = d;
   }
-  if (best < 0) return -1;
   const double limit = kUniqueness * costs[static_cast<std::size_t>(best - first)] + 1.0;
   for (int d = first; d <= last; ++d)
-    if (std::abs(d - best) > 1 && costs[static_cast<std::size_t>(d - first)] < limit) return -1;
+    if (std::abs(d - best) > 1 && costs[static_cast<std::size_t>(d - first)] < limit) return std::nullopt;
   return best;
 }
 
@@ -112,15 +109,15 @@ PreparedPair prepare(const RectifiedPair& pair, double min_disparity_px, const E
   cv::buildOpticalFlowPyramid(right, prepared.right_pyramid, kWindow, 0, false, cv::BORDER_REFLECT_101,
                               cv::BORDER_CONSTANT, false);
 
-  const int min_px = std::max(0, static_cast<int>(std::floor(min_disparity_px / scale)));
+  const int min_px = static_cast<int>(std::floor(min_disparity_px / scale));
   std::vector<cv::Point2f> left_px;
   std::vector<float> guess_px;
   for (const auto& p : spread_corners(left, options.corners)) {
     const int u = cvRound(p.x), v = cvRound(p.y);
-    const int disparity = search_disparity(left, right, u, v, min_px, min_px + kMaxDisparity_px / scale);
-    if (disparity < 0) continue;
+    const auto disparity = search_disparity(left, right, u, v, min_px, min_px + kMaxDisparity_px / scale);
+    if (!disparity) continue;
     left_px.push_back(to_full(p, scale));
-    guess_px.push_back(static_cast<float>(disparity * scale));
+    guess_px.push_back(static_cast<float>(*disparity * scale));
   }
   const auto disparities_px = disparities_near(prepared, left_px, guess_px);
   for (std::size_t i = 0; i < left_px.size(); ++i)

@@ -99,8 +99,6 @@ GrayPair load_images(const PairPaths& pair, const StereoCamera& camera) {
   return images;
 }
 
-std::string stem_of(const std::string& path) { return fs::path(path).stem().string(); }
-
 namespace {
 
 /// Recognises the kind.

@@ -42,7 +42,4 @@ GrayPair load_images(const PairPaths& pair);
 /// The same with the check that they fit the camera.
 GrayPair load_images(const PairPaths& pair, const StereoCamera& camera);
 
-/// The name of a file without its folder and extension.
-std::string stem_of(const std::string& path);
-
 }  // namespace flies

@@ -12,6 +12,7 @@
 #include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
+#include "flies/io/folder.hpp"
 
 namespace flies {
 namespace {
@@ -174,13 +175,11 @@ ReportedFrame frame_of(const json& record, const std::string& source, int line) 
   return frame;
 }
 
-std::string stem_of(const std::string& path) { return std::filesystem::path(path).stem().string(); }
-
 /// What tells the pair of line i apart: the name of its left image, or its number.
 std::vector<std::string> keys_of(const std::vector<ReportedFrame>& reported, bool by_name, bool by_frame) {
   std::vector<std::string> keys;
   for (std::size_t i = 0; i < reported.size(); ++i)
-    keys.push_back(by_name ? stem_of(reported[i].left)
+    keys.push_back(by_name ? detail::stem_of(reported[i].left)
                            : std::to_string(by_frame ? *reported[i].frame : static_cast<int>(i)));
   return keys;
 }
@@ -213,7 +212,7 @@ std::vector<ReportedFrame> match_detections(std::vector<ReportedFrame> reported,
                        fmt::format("found a second line for pair {}, expected one a pair", keys[i]));
   std::vector<ReportedFrame> ordered;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const std::string key = by_name ? stem_of(pairs[i].left) : std::to_string(i);
+    const std::string key = by_name ? detail::stem_of(pairs[i].left) : std::to_string(i);
     const auto found = line_of_key.find(key);
     if (found == line_of_key.end())
       throw InputError(source, by_name ? "left" : "frame", fmt::format("found no line for pair {}", key));

@@ -11,6 +11,7 @@
 
 #include "flies/classify/named_models.hpp"
 #include "flies/core/error.hpp"
+#include "flies/core/mat_view.hpp"
 
 namespace flies {
 namespace {
@@ -52,8 +53,7 @@ PeopleSearch detect_people_by_hog(const GrayView& left, const StereoCamera& came
                      fmt::format("found {}, expected a multiple of {}", options.stride_px, kBlockStride_px));
   check_camera_fits(camera, left.width_px, left.height_px, "camera");
   const cv::HOGDescriptor hog = descriptor(detector);
-  const cv::Mat image(left.height_px, left.width_px, CV_8UC1, const_cast<std::uint8_t*>(left.data),
-                      static_cast<std::size_t>(left.stride));
+  const cv::Mat image = mat_of(left);
   const ScoreCalibration calibration = hog_model(detector).linear.calibration;
   const double least_score = (log_odds(least_probability) - calibration.offset) / calibration.slope;
   const auto start = std::chrono::steady_clock::now();

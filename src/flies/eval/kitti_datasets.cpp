@@ -63,7 +63,7 @@ Dataset open_kitti_drive(const fs::path& folder, const DatasetRequest& request) 
   const auto truth = std::make_shared<KittiDrive>(drive, camera, cameras[0]);
   add_motion(drive, dataset);
   dataset.load = [truth, camera, pairs = dataset.pairs](std::size_t i) {
-    return TruthFrame{load_images(pairs[i], camera), camera, truth->read(stem_of(pairs[i].left))};
+    return TruthFrame{load_images(pairs[i], camera), camera, truth->read(detail::stem_of(pairs[i].left))};
   };
   return dataset;
 }
@@ -96,7 +96,7 @@ Dataset open_kitti_object(const fs::path& folder, const DatasetRequest& request)
       wanted = with_mount(wanted, *mount);
   }
   dataset.load = [folder, wanted, calibration_of, pairs = dataset.pairs](std::size_t i) {
-    const std::string name = stem_of(pairs[i].left);
+    const std::string name = detail::stem_of(pairs[i].left);
     TruthFrame frame{load_images(pairs[i]), {}, {}};
     frame.camera = calibration_of(name, frame.images, wanted).camera;
     frame.truth = read_kitti_object(folder, name, frame.camera);
@@ -141,7 +141,7 @@ Dataset open_kitti_stereo(const fs::path& folder, const DatasetRequest& request)
     TruthFrame frame{load_images(pairs[i]), {}, {}};
     frame.camera = calibration_of(frame.images, wanted).camera;
     frame.truth.frame = static_cast<int>(i);
-    frame.truth.name = stem_of(pairs[i].left);
+    frame.truth.name = detail::stem_of(pairs[i].left);
     frame.truth.map = read_disparity_map(folder / "disp_noc" / (frame.truth.name + ".png"), frame.camera);
     frame.truth.lidar = frame.truth.map;  // the maps are lidar, gathered over several turns
     return frame;

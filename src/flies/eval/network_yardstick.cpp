@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/mat_view.hpp"
 #include "flies/io/folder.hpp"
 
 namespace flies {
@@ -115,8 +116,7 @@ NetworkSearch::NetworkSearch(NetworkSearch&&) noexcept = default;
 
 PeopleSearch NetworkSearch::detect(const GrayView& left, const StereoCamera& camera, double least_probability) {
   check_camera_fits(camera, left.width_px, left.height_px, "camera");
-  const cv::Mat image(left.height_px, left.width_px, CV_8UC1, const_cast<std::uint8_t*>(left.data),
-                      static_cast<std::size_t>(left.stride));
+  const cv::Mat image = mat_of(left);
   std::vector<int> classes;
   std::vector<float> confidences;
   std::vector<cv::Rect> boxes;

@@ -41,7 +41,7 @@ EgoMotion motion_between(const VehicleMoment& from, const VehicleMoment& to) {
 void add_moments(const fs::path& folder, Dataset& dataset) {
   std::optional<VehicleMoment> before;
   for (const auto& pair : dataset.pairs) {
-    const fs::path file = folder / "truth" / (stem_of(pair.left) + ".json");
+    const fs::path file = folder / "truth" / (detail::stem_of(pair.left) + ".json");
     const auto moment = read_scene_truth(file).moment;
     if (!moment) throw InputError(file.string(), "time_s", "found none, expected one in each file of a sequence");
     if (before && moment->time_s <= before->time_s)
@@ -66,7 +66,7 @@ std::function<StereoCamera(const std::string&)> camera_of_scenes(const fs::path&
     if (calibration.rectifier) refuse_raw(file);
     return std::pair(calibration, file);
   };
-  const auto [first, first_file] = calibration_of(stem_of(dataset.pairs.front().left), wanted);
+  const auto [first, first_file] = calibration_of(detail::stem_of(dataset.pairs.front().left), wanted);
   add_notes(first, first_file, dataset.notes);
   if (const auto mount = mount_from_road(dataset.pairs, first.camera, request, dataset.notes))
     wanted = with_mount(wanted, *mount);
@@ -89,7 +89,7 @@ Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
   const auto camera_of = camera_of_scenes(folder, request, dataset);
   if (detail::is_there(folder / "times.txt")) add_moments(folder, dataset);
   dataset.load = [folder, camera_of, pairs = dataset.pairs](std::size_t i) {
-    const std::string name = stem_of(pairs[i].left);
+    const std::string name = detail::stem_of(pairs[i].left);
     StereoCamera camera = camera_of(name);
     TruthFrame frame{load_images(pairs[i], camera), {}, read_scene_truth(folder / "truth" / (name + ".json"))};
     camera.width_px = frame.images.left.width_px;
@@ -123,7 +123,7 @@ Dataset open_foot_points(const fs::path& folder, const DatasetRequest& request) 
   truths.resize(dataset.pairs.size());  // nobody stands in the pairs after the last entry
   for (std::size_t i = 0; i < truths.size(); ++i) {
     truths[i].frame = static_cast<int>(i);
-    truths[i].name = stem_of(dataset.pairs[i].left);
+    truths[i].name = detail::stem_of(dataset.pairs[i].left);
   }
   dataset.load = [camera, truths = std::move(truths), pairs = dataset.pairs](std::size_t i) {
     return TruthFrame{load_images(pairs[i], camera), camera, truths[i]};

@@ -17,6 +17,7 @@
 #include "flies/concentrate/concentrate.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/field.hpp"
+#include "flies/core/mat_view.hpp"
 #include "flies/road/road.hpp"
 
 namespace flies {
@@ -33,12 +34,6 @@ constexpr int kDisparityStep = 16;    // OpenCV asks for a number of disparities
 constexpr double kFixedPoint = 16.0;  // and counts disparities in sixteenths of a pixel
 constexpr double kMiddle = 0.5;       // of the points that share a range
 
-/// OpenCV has no view of constant pixels; it only reads them here.
-cv::Mat view_of(const GrayView& image) {
-  return {image.height_px, image.width_px, CV_8UC1, const_cast<std::uint8_t*>(image.data),
-          static_cast<std::size_t>(image.stride)};
-}
-
 /// Disparities in sixteenths of a pixel, below those of infinity where there are none.
 cv::Mat match(const RectifiedPair& pair, const Projection& projection, DenseMatcher matcher, double near_m) {
   const int least_px = static_cast<int>(std::floor(projection.disparity_offset_px()));
@@ -53,7 +48,7 @@ cv::Mat match(const RectifiedPair& pair, const Projection& projection, DenseMatc
   const int margin_px = std::max(0, least_px + count);
   const auto continued = [&](const GrayView& image) {
     cv::Mat wide;
-    cv::copyMakeBorder(view_of(image), wide, 0, 0, margin_px, 0, cv::BORDER_REPLICATE);
+    cv::copyMakeBorder(mat_of(image), wide, 0, 0, margin_px, 0, cv::BORDER_REPLICATE);
     return wide;
   };
   cv::Mat disparity;

@@ -7,7 +7,10 @@
 #include <cstdint>
 #include <iterator>
 #include <span>
+#include <utility>
 #include <vector>
+
+#include "flies/core/quantile.hpp"
 
 namespace flies {
 
@@ -29,9 +32,7 @@ inline float full_scale_fitness(std::span<const float> fitness) {
   std::vector<float> finite;
   std::copy_if(fitness.begin(), fitness.end(), std::back_inserter(finite), [](float f) { return std::isfinite(f); });
   if (finite.empty()) return 0.0F;
-  const std::size_t rank = (finite.size() - 1) * 99 / 100;
-  std::nth_element(finite.begin(), finite.begin() + static_cast<std::ptrdiff_t>(rank), finite.end());
-  return finite[rank];
+  return quantile(std::move(finite), 0.99);
 }
 
 }  // namespace flies

@@ -64,6 +64,8 @@ void add_files_below(const fs::path& folder, std::vector<fs::path>& files) {
 
 }  // namespace
 
+std::string stem_of(const std::string& path) { return fs::path(path).stem().string(); }
+
 bool is_there(const fs::path& path) { return type_of(path) != fs::file_type::not_found; }
 
 bool is_there_as_folder(const fs::path& path) { return type_of(path) == fs::file_type::directory; }

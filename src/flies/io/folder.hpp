@@ -2,9 +2,13 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace flies::detail {
+
+/// The name of a file without its folder and extension.
+std::string stem_of(const std::string& path);
 
 /// Whether a file or folder of this name is there, links followed; a link to nothing is not.
 /// @throws InputError naming it when that cannot be told: a loop of links, a folder that must not be looked into

@@ -6,6 +6,7 @@
 #include "flies/core/free_space.hpp"
 #include "flies/core/people_obstacles.hpp"
 #include "flies/core/stereo_camera.hpp"
+#include "flies/io/json_values.hpp"
 #include "flies/io/writers.hpp"
 
 namespace flies {
@@ -13,15 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Rounded to a number of decimals; adding 0 turns -0 into 0.
-Json rounded(double value, int decimals) {
-  if (!std::isfinite(value)) return nullptr;
-  const double scale = std::pow(10.0, decimals);
-  const double result = std::round(value * scale) / scale + 0.0;
-  return std::isfinite(result) ? Json(result) : Json(value);
-}
 Json metres(double value_m) { return rounded(value_m, 3); }
-Json pixels(double value_px) { return rounded(value_px, 2); }
 Json radians_of(double angle_rad) { return rounded(angle_rad, 6); }
 Json milliseconds(double value_ms) { return rounded(value_ms, 3); }
 
@@ -33,29 +26,19 @@ Json score_of(double score) {
   return std::strtod(text, nullptr) + 0.0;
 }
 
-Json box_of(const ImageBox& box) {
-  return {{"u_px", pixels(box.u_px)},
-          {"v_px", pixels(box.v_px)},
-          {"width_px", pixels(box.width_px)},
-          {"height_px", pixels(box.height_px)}};
-}
-
 Json object_of(const Obstacle& obstacle) {
   return {{"x_m", metres(obstacle.x_m)},         {"y_m", metres(obstacle.y_m)},
           {"range_m", metres(obstacle.range_m)}, {"range_sd_m", metres(obstacle.range_sd_m)},
           {"width_m", metres(obstacle.width_m)}, {"middle_offset_m", metres(obstacle.middle_offset_m)},
           {"depth_m", metres(obstacle.depth_m)}, {"height_m", metres(obstacle.height_m)},
-          {"score", score_of(obstacle.score)},   {"box", box_of(obstacle.box)}};
+          {"score", score_of(obstacle.score)},   {"box", box_json(obstacle.box)}};
 }
 
 Json object_of(const Pedestrian& pedestrian) {
-  return {{"x_m", metres(pedestrian.x_m)},
-          {"y_m", metres(pedestrian.y_m)},
-          {"range_m", metres(pedestrian.range_m)},
-          {"range_sd_m", metres(pedestrian.range_sd_m)},
-          {"height_m", metres(pedestrian.height_m)},
-          {"probability", score_of(pedestrian.probability)},
-          {"box", box_of(pedestrian.box)}};
+  return {{"x_m", metres(pedestrian.x_m)},           {"y_m", metres(pedestrian.y_m)},
+          {"range_m", metres(pedestrian.range_m)},   {"range_sd_m", metres(pedestrian.range_sd_m)},
+          {"height_m", metres(pedestrian.height_m)}, {"probability", score_of(pedestrian.probability)},
+          {"box", box_json(pedestrian.box)}};
 }
 
 template <class Item>

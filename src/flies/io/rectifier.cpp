@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/mat_view.hpp"
 
 namespace flies {
 namespace {
@@ -38,7 +39,7 @@ std::array<double, 9> numbers(const cv::Mat& rotation) {
 
 GrayImage apply(const Remap& map, const GrayImage& image) {
   GrayImage result{image.width_px, image.height_px, std::vector<std::uint8_t>(image.pixels.size())};
-  const cv::Mat from(image.height_px, image.width_px, CV_8U, const_cast<std::uint8_t*>(image.pixels.data()));
+  const cv::Mat from = mat_of(image.view());
   cv::Mat to(result.height_px, result.width_px, CV_8U, result.pixels.data());
   cv::remap(from, to, map.columns, map.rows, cv::INTER_LINEAR);
   return result;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "flies/core/error.hpp"
+#include "flies/core/little_endian.hpp"
 #include "flies/io/crc32.hpp"
 
 namespace flies {
@@ -14,22 +15,18 @@ namespace {
 constexpr std::uint16_t kVersion = 20, kUtf8Names = 0x0800, kStored = 0, kFirstOf1980 = 0x0021;
 constexpr std::size_t kHeader = 30;  // bytes before a name
 
-void put(std::string& out, std::uint64_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFFU));
-}
-
 /// What the header before a file and its line in the directory share.
 void put_description(std::string& out, const ZipEntry& entry) {
-  put(out, kVersion, 2);
-  put(out, kUtf8Names, 2);
-  put(out, kStored, 2);
-  put(out, 0, 2);  // midnight
-  put(out, kFirstOf1980, 2);
-  put(out, crc32(entry.bytes), 4);
-  put(out, entry.bytes.size(), 4);
-  put(out, entry.bytes.size(), 4);
-  put(out, entry.name.size(), 2);
-  put(out, 0, 2);  // no extra field
+  put_number(out, kVersion, 2);
+  put_number(out, kUtf8Names, 2);
+  put_number(out, kStored, 2);
+  put_number(out, 0, 2);  // midnight
+  put_number(out, kFirstOf1980, 2);
+  put_number(out, crc32(entry.bytes), 4);
+  put_number(out, entry.bytes.size(), 4);
+  put_number(out, entry.bytes.size(), 4);
+  put_number(out, entry.name.size(), 2);
+  put_number(out, 0, 2);  // no extra field
 }
 
 }  // namespace
@@ -44,31 +41,31 @@ std::string zip_archive(std::span<const ZipEntry> entries) {
     if (entry.name.size() > kMost || archive.size() + entry.bytes.size() + entry.name.size() > kLongest - kHeader)
       throw InputError("zip archive", entry.name.substr(0, 100), "is too long, or the files together are 4 GB or more");
     const std::size_t offset = archive.size();
-    put(archive, 0x04034B50, 4);
+    put_number(archive, 0x04034B50, 4);
     put_description(archive, entry);
     archive += entry.name;
     archive += entry.bytes;
 
-    put(directory, 0x02014B50, 4);
-    put(directory, kVersion, 2);
+    put_number(directory, 0x02014B50, 4);
+    put_number(directory, kVersion, 2);
     put_description(directory, entry);
-    put(directory, 0, 2);  // no comment
-    put(directory, 0, 2);  // the only disk
-    put(directory, 0, 2);  // no text known as such
-    put(directory, 0, 4);  // no attributes
-    put(directory, offset, 4);
+    put_number(directory, 0, 2);  // no comment
+    put_number(directory, 0, 2);  // the only disk
+    put_number(directory, 0, 2);  // no text known as such
+    put_number(directory, 0, 4);  // no attributes
+    put_number(directory, offset, 4);
     directory += entry.name;
   }
   const std::size_t offset = archive.size();
   archive += directory;
-  put(archive, 0x06054B50, 4);
-  put(archive, 0, 2);
-  put(archive, 0, 2);
-  put(archive, entries.size(), 2);
-  put(archive, entries.size(), 2);
-  put(archive, directory.size(), 4);
-  put(archive, offset, 4);
-  put(archive, 0, 2);
+  put_number(archive, 0x06054B50, 4);
+  put_number(archive, 0, 2);
+  put_number(archive, 0, 2);
+  put_number(archive, entries.size(), 2);
+  put_number(archive, entries.size(), 2);
+  put_number(archive, directory.size(), 4);
+  put_number(archive, offset, 4);
+  put_number(archive, 0, 2);
   return archive;
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "flies/core/mat_view.hpp"
 #include "flies/draw/draw.hpp"
 #include "flies/draw/paint.hpp"
 #include "flies/draw/top_view.hpp"
@@ -20,11 +21,7 @@ const cv::Scalar kRing{0, 0, 255};
 constexpr double kBirdsEyeHeight_px = 620.0;
 constexpr int kGap_px = 24;
 
-cv::Mat gray_of(const LabelledFrame& frame) {
-  const auto& left = frame.images.left;
-  // OpenCV has no view of constant pixels; nobody writes through this one.
-  return {left.height_px, left.width_px, CV_8UC1, const_cast<std::uint8_t*>(left.pixels.data())};
-}
+cv::Mat gray_of(const LabelledFrame& frame) { return mat_of(frame.images.left.view()); }
 
 /// Around an upright thing that faces the camera; empty behind it.
 cv::Rect upright_box(const Projection& projection, const GroundPoint& foot, double bottom_z_m, double width_m,

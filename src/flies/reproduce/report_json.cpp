@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "flies/core/options.hpp"
+#include "flies/io/json_values.hpp"
 #include "flies/reproduce/report.hpp"
 
 namespace flies {
@@ -9,7 +10,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json rounded(double value) { return std::round(value * 1e6) / 1e6; }
 Json value_json(const std::optional<double>& value) { return value ? rounded(*value) : Json(nullptr); }
 Json spread_json(const std::optional<Spread>& s) {
   if (!s) return nullptr;

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "flies/core/mat_view.hpp"
 #include "flies/core/quantile.hpp"
 #include "flies/rig/board_tools.hpp"
 #include "flies/rig/find_module.hpp"
@@ -58,8 +59,7 @@ class OpenCvTools final : public flies::BoardTools {
   bool has_markers() const override { return flies::kHasMarkers; }
 
   SeenBoard find(const flies::GrayView& image, const Board& board) const override {
-    const cv::Mat picture(image.height_px, image.width_px, CV_8U, const_cast<std::uint8_t*>(image.row(0)),
-                          static_cast<std::size_t>(image.stride));
+    const cv::Mat picture = flies::mat_of(image);
     SeenBoard seen;
     try {
       seen.corners = board.kind == BoardKind::chessboard ? find_chessboard(picture, board)

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/mat_view.hpp"
 #include "flies/core/quantile.hpp"
 #include "flies/io/folder.hpp"
 #include "flies/io/image_folder.hpp"
@@ -34,10 +35,6 @@ constexpr double kSmooth_px = 0.6;  // standard deviation of the mask's soft edg
 constexpr double kAspect = 0.41, kLeastFill = 0.38, kMostFill = 1.0;
 constexpr double kMostTopGap = 0.05, kMostFootGap = 0.05;  // of the person's height that the cut may leave out
 constexpr double kMostAtEdge = 0.02;                       // of the mask that may lie at the sides of the crop
-
-cv::Mat view_of(const GrayImage& image) {
-  return {image.height_px, image.width_px, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data())};
-}
 
 GrayImage image_of(const cv::Mat& gray) {
   const cv::Mat whole = gray.isContinuous() ? gray : gray.clone();
@@ -124,11 +121,11 @@ std::optional<CutOut> load_cut_out(const fs::path& file, double person_share) {
 }  // namespace
 
 std::optional<CutOut> cut_out_by_mask(GrayImage image, GrayImage mask) {
-  const cv::Mat is_person = view_of(mask) >= 128;
+  const cv::Mat is_person = mat_of(mask.view()) >= 128;
   if (cv::countNonZero(is_person) < kLeastPixels) return std::nullopt;
   const cv::Rect body = cv::boundingRect(is_person);
   cv::Scalar mean, deviation;
-  cv::meanStdDev(view_of(image), mean, deviation);
+  cv::meanStdDev(mat_of(image.view()), mean, deviation);
   CutOut cut;
   cut.body = {static_cast<double>(body.x), static_cast<double>(body.y), static_cast<double>(body.width),
               static_cast<double>(body.height)};
@@ -145,8 +142,7 @@ std::optional<CutOut> cut_out_by_mask(GrayImage image, GrayImage mask) {
 }
 
 std::optional<CutOut> cut_out_person(const GrayView& crop, double person_share) {
-  const cv::Mat gray(crop.height_px, crop.width_px, CV_8UC1, const_cast<std::uint8_t*>(crop.data),
-                     static_cast<std::size_t>(crop.stride));
+  const cv::Mat gray = mat_of(crop);
   cv::Mat labels = outline_of_a_person(gray.size(), person_share), inside, outside;
   cv::theRNG().state = 1;  // the graph cut begins with clusters of grey levels that it draws
   cv::grabCut(features_of(gray), labels, {}, inside, outside, kRounds, cv::GC_INIT_WITH_MASK);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 
+#include "flies/core/mat_view.hpp"
 #include "flies/core/random.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/io/temporary_folder.hpp"
@@ -60,8 +61,7 @@ double intersection_over_union(const GrayImage& found, const GrayImage& wanted) 
 }
 
 void write(const TemporaryFolder& folder, const std::string& name, const GrayImage& image) {
-  write_png(folder.file(name),
-            cv::Mat(image.height_px, image.width_px, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data())));
+  write_png(folder.file(name), mat_of(image.view()));
 }
 
 constexpr double kWellCut = 0.85;  // of 2200 pixels 1200 lie at the edge or beside it, where one in seven may go wrong

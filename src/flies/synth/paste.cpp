@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "flies/core/error.hpp"
+#include "flies/core/mat_view.hpp"
 #include "flies/core/random.hpp"
 #include "flies/core/usable_pair.hpp"
 #include "flies/synth/paste_places.hpp"
@@ -24,16 +25,11 @@ constexpr double kDepth_m = 0.05;  // a picture has none; footprints must have s
 constexpr double kLeastGain = 0.75, kMostGain = 3.0;
 constexpr double kBlack = 8.0, kWhite = 247.0;
 
-cv::Mat view_of(const GrayView& image) {
-  return {image.height_px, image.width_px, CV_8UC1, const_cast<std::uint8_t*>(image.data),
-          static_cast<std::size_t>(image.stride)};
-}
-
 /// An image of the cut-out as it looks in its place, `shift_px` further left, in a picture of this size.
 cv::Mat in_place(const GrayImage& image, const Place& place, double shift_px, const cv::Size& size) {
   const double scale = place.scale();
   const ImageBox box = place.box();
-  cv::Mat smooth = view_of(image.view());
+  cv::Mat smooth = mat_of(image.view());
   if (scale < 1.0) {
     // Into a matrix of its own: the view's pixels are the cut-out's.
     cv::Mat reduced;
@@ -144,8 +140,8 @@ PastedPair paste_people(const RealPair& given, std::span<const CutOut> cut_outs,
   check_camera_fits(pair.camera, width_px, height_px, "camera");
   const synth::Surroundings around =
       synth::surroundings_of(pair.true_disparity_px, pair.matched_disparity_px, width_px, height_px);
-  Canvas left{view_of(pair.images.left).clone(), around.left, false};
-  Canvas right{view_of(pair.images.right).clone(), around.right, true};
+  Canvas left{mat_of(pair.images.left).clone(), around.left, false};
+  Canvas right{mat_of(pair.images.right).clone(), around.right, true};
 
   PastedPair pasted;
   pasted.pixels = {width_px, height_px, {pair.true_disparity_px.begin(), pair.true_disparity_px.end()}, {}};
@@ -154,7 +150,7 @@ PastedPair paste_people(const RealPair& given, std::span<const CutOut> cut_outs,
   std::vector<std::size_t> silhouettes_px;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Place& place = places[i];
-    const Light light = light_at(view_of(pair.images.left), place);
+    const Light light = light_at(mat_of(pair.images.left), place);
     const auto stream = static_cast<std::uint32_t>(2 * i);
     const cv::Mat cover = left.paint(place, light, options.noise_gray, {options.seed, kNoisePurpose, frame, stream});
     right.paint(place, light, options.noise_gray, {options.seed, kNoisePurpose, frame, stream + 1});

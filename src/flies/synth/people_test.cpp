@@ -6,6 +6,7 @@
 #include <opencv2/objdetect.hpp>
 #include <vector>
 
+#include "flies/core/mat_view.hpp"
 #include "flies/core/random.hpp"
 #include "flies/synth/render.hpp"
 
@@ -17,9 +18,7 @@ constexpr double kWindowPerPerson = 96.0 / 72.0;
 /// Decision value at which classify uses this detector.
 constexpr double kThreshold = 1.0;
 
-cv::Mat as_mat(const GrayImage& image) {
-  return cv::Mat(image.height_px, image.width_px, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data())).clone();
-}
+cv::Mat as_mat(const GrayImage& image) { return mat_of(image.view()).clone(); }
 
 /// Decision value of the detector for a person of this height with feet and head centred around (u, v).
 double hog_score(const cv::Mat& gray, double centre_u, double centre_v, double person_height_px) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "flies/core/mat_view.hpp"
 #include "flies/draw/curves.hpp"
 #include "flies/draw/html.hpp"
 #include "flies/train/weights_picture.hpp"
@@ -23,7 +24,7 @@ std::string figure(const cv::Mat& picture, const std::string& caption, bool is_p
 }
 
 cv::Mat tile(const GrayImage& image, const ImageBox& window) {
-  const cv::Mat pixels(image.height_px, image.width_px, CV_8U, const_cast<std::uint8_t*>(image.pixels.data()));
+  const cv::Mat pixels = mat_of(image.view());
   // From the tile to the picture: where a window leaves the picture, the border is repeated, as in detection.
   const double scale = window.height_px / kTileHeight_px;
   const cv::Matx23d picture_from_tile(scale, 0.0, window.u_px, 0.0, scale, window.v_px);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "flies/core/mat_view.hpp"
 #include "flies/eval/people.hpp"
 #include "flies/train/toy_pictures.hpp"
 
@@ -77,7 +78,7 @@ TEST(WindowsWithoutPeople, AreProposalsWhereThereAre) {
 TEST(FeaturesIn, OfAMirroredWindowAreThoseOfTheMirroredPicture) {
   const GrayImage image = toy_image(200, 160);
   cv::Mat flipped;
-  cv::flip(cv::Mat(160, 200, CV_8U, const_cast<std::uint8_t*>(image.pixels.data())), flipped, 1);
+  cv::flip(mat_of(image.view()), flipped, 1);
   const GrayImage mirror{200, 160, {flipped.datastart, flipped.dataend}};
   const TrainingWindow window{0, true, {30, 20, 50, 100}};
   const TrainingWindow same{0, false, {200 - 30 - 50, 20, 50, 100}};
