@@ -53,6 +53,15 @@ TEST_F(Calib, WritesOpenCvToStandardOutput) {
   EXPECT_THAT(calib({"stereo.yml"}).out, HasSubstr("baseline                0.5000 m"));
 }
 
+TEST_F(Calib, TakesTheSizeThatAFileIsForWhereItHasNone) {
+  write_text(folder.path() / "p.txt", "P0: 500 0 500 0 0 500 250 0 0 0 1 0\nP1: 500 0 500 -250 0 500 250 0 0 0 1 0\n");
+  const RunResult result = calib({"p.txt", "--calib-size", "1000,500", "--size", "500,250", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto camera = nlohmann::json::parse(result.out);
+  EXPECT_EQ(camera.at("width_px"), 500);
+  EXPECT_EQ(camera.at("fx_px"), 250.0);
+}
+
 TEST_F(Calib, RefusesConversionsThatCannotBeAndLeavesNothing) {
   const auto refused = [&](const Words& words, const std::string& part) {
     const RunResult result = calib(words);

@@ -160,6 +160,17 @@ TEST_F(Calibrate, TellsOnceThatImagesAreMosaics) {
   EXPECT_THAT(calibrate(with_pattern).err, Not(HasSubstr("mosaic")));
 }
 
+TEST_F(Calibrate, ChecksOutputsBeforeTheWork) {
+  write_street(folder.path());  // which has no board
+  const auto refused_with = [&](const std::string& option, const std::string& file, const std::string& part) {
+    refused({"left.png", "right.png", "--square", "0.025", "--output", "rig.yml", option, file}, part);
+  };
+  refused_with("--picture", "nowhere/coverage.png", "nowhere/coverage.png");
+  refused_with("--picture", "rig.yml", "this file is already the output of --output");
+  refused_with("--json", "left.png", "this file is already an input");
+  refused({"left.png", "right.png", "--square", "0.025", "--output", "nowhere/rig.yml"}, "nowhere/rig.yml");
+}
+
 TEST_F(Calibrate, RefusesWhatCannotBe) {
   write_street(folder.path());
   const Words good = {"left.png", "right.png", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"};

@@ -1,7 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -12,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "flies/io/temporary_folder.hpp"
 #include "run_flies.hpp"
 
 namespace fs = std::filesystem;
@@ -20,8 +24,11 @@ namespace flies::testing {
 namespace {
 
 using nlohmann::json;
+using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
+using ::testing::Not;
 
 /// A folder with two small drawn streets, and a crop of a striped figure with its mask.
 struct Paste : ::testing::Test {
@@ -108,6 +115,57 @@ TEST_F(Paste, RefusesWhatItCannotDoInOneLine) {
     EXPECT_THAT(result.err, HasSubstr(named)) << words;
     EXPECT_FALSE(fs::exists(folder.path() / "out")) << words;
   }
+}
+
+/// Draws a small scene into the folder `out`.
+RunResult synth_out(const TestFolder& folder, const std::string& more = "", const std::string& prefix = "") {
+  std::istringstream line("synth out --people 0 --width_px 320 --height_px 96 --focal_px 180 --samples_per_side 1 " +
+                          more);
+  return run_flies(folder.path(), {std::istream_iterator<std::string>(line), {}}, prefix);
+}
+
+TEST(SynthFolder, MayBeALinkToAnotherDisk) {
+  const TestFolder folder;
+  std::string disk = "/dev/shm/flies-synth-XXXXXX";
+  if (::mkdtemp(disk.data()) == nullptr) GTEST_SKIP() << "this system has no /dev/shm";
+  fs::create_directory_symlink(disk, folder.path() / "out");
+  EXPECT_EQ(synth_out(folder, "--seed 1").status, 0);
+  const std::string image = disk + "/left/000000.png", first = read_text(image);
+  const RunResult again = synth_out(folder, "--seed 2 --force");
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_NE(read_text(image), first);
+  for (const fs::path& parent : {folder.path(), fs::path(disk)})
+    for (const auto& entry : fs::directory_iterator(parent))
+      EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr(".part-")));
+  fs::remove_all(disk);
+  EXPECT_THAT(synth_out(folder).err, HasSubstr("out: found a link to nothing"));
+}
+
+TEST(SynthFolder, IsAsItWasWhereItCannotBeReplaced) {
+  const OrdinaryUser user;
+  const TestFolder folder;
+  fs::create_directories(folder.path() / "out/left");
+  write_text(folder.path() / "out/left/old.png", "old");
+  fs::create_directory(folder.path() / "out/right");
+  fs::permissions(folder.path() / "out/right", fs::perms::owner_read | fs::perms::owner_exec);  // it cannot be moved
+  const bool is_root = ::getuid() == 0;
+  const RunResult result = synth_out(folder, "--force", is_root ? "setpriv --reuid=65534 --clear-groups" : "");
+  constexpr int kNotStarted = 126;
+  if (result.status >= kNotStarted) GTEST_SKIP() << "the command lies where only the super-user may look";
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("out: cannot replace its content"));
+  EXPECT_THAT(folder.listing(), ElementsAre("out", "out/left", "out/left/old.png", "out/right"));
+}
+
+TEST(SynthFolder, HasNothingOfARunThatWasKilled) {
+  const TestFolder folder;
+  const pid_t killed = ::fork();
+  if (killed == 0) ::_exit(0);
+  ASSERT_EQ(::waitpid(killed, nullptr, 0), killed);
+  fs::create_directories(folder.path() / "out" / (".flies.part-" + std::to_string(killed)) / "left");
+  const RunResult result = synth_out(folder);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(folder.listing(), Not(Contains(HasSubstr(".part-"))));
 }
 
 }  // namespace

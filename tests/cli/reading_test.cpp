@@ -148,6 +148,7 @@ TEST_F(Reading, MosaicsAreToldAndMadeGray) {
   EXPECT_THAT(told.out, HasSubstr("--bayer rggb or bggr"));
   EXPECT_THAT(run("detect", {"ml.png", "mr.png"}).err, HasSubstr("--bayer rggb or bggr"));
   EXPECT_THAT(run("check", {"ml.png", "mr.png", "--bayer", "rggb"}).out, Not(HasSubstr("--bayer")));
+  EXPECT_THAT(run("check", {"ml.png", "mr.png", "--bayer", "grbg"}).out, HasSubstr("look like rggb or bggr"));
   EXPECT_THAT(run("check", {"left.png", "right.png"}).out, Not(HasSubstr("--bayer")));
 }
 

@@ -34,11 +34,7 @@ struct CalibArguments {
 };
 
 flies::CalibrationRequest request_of(const CalibArguments& arguments) {
-  flies::CalibrationRequest request;
-  request.right_path = arguments.camera.right_calib;
-  request.images_are_raw = arguments.camera.is_raw;
-  request.images_are_resized = arguments.camera.is_resized;
-  fill_in(request, arguments.camera);
+  flies::CalibrationRequest request = calibration_request(arguments.camera);
   if (arguments.size_px.size() == 2) {
     request.width_px = arguments.size_px[0];
     request.height_px = arguments.size_px[1];
@@ -239,6 +235,7 @@ void setup_calib(CLI::App& app) {
       ->type_name("W,H");
   add_raw_option(*command, arguments->camera);
   add_resized_option(*command, arguments->camera);
+  add_calibrated_size_option(*command, arguments->camera);
   add_baseline_option(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   command->add_option("--write", arguments->format, "convert to: kitti, opencv, ros, yaml")->type_name("FORMAT");
@@ -247,7 +244,7 @@ void setup_calib(CLI::App& app) {
   command->add_flag("--json", arguments->json, "print JSON instead of a table");
   command->footer(
       "\nFormats: KITTI object, raw and odometry, OpenCV stereo YAML or XML, ROS camera_info pair, Kalibr,\n"
-      "EuRoC sensor.yaml pair, ORB-SLAM2 and 3, VINS-Fusion, ZED, DepthAI, Basalt, MATLAB\n"
+      "EuRoC sensor.yaml pair, ORB-SLAM2 and 3, VINS-Fusion, ZED, RealSense, DepthAI, Basalt, MATLAB\n"
       "stereoParameters, Middlebury, FoundationStereo, and the YAML that flies synth writes\n"
       "(docs/formats.md).\n"
       "\nExamples:\n"

@@ -20,6 +20,7 @@
 #include "flies/rig/coverage_picture.hpp"
 #include "shared/commands.hpp"
 #include "shared/mosaic_watch.hpp"
+#include "shared/output_claims.hpp"
 #include "shared/pair_arguments.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/standard_output.hpp"
@@ -94,9 +95,9 @@ SeenPairs find_living_boards(const CalibrateArguments& arguments, const flies::B
 }
 
 /// A pair that cannot be read costs that pair.
-SeenPairs find_boards(const CalibrateArguments& arguments, const flies::Board& board) {
+SeenPairs find_boards(const CalibrateArguments& arguments, const flies::Board& board,
+                      const std::vector<flies::PairPaths>& paths) {
   const flies::PairReading reading = reading_of(arguments.images.reading);
-  const auto paths = pairs_of(arguments.images);
   const auto& tools = tools_for(arguments, board);
   ProgressBar bar(paths.size());
   SeenPairs seen;
@@ -204,6 +205,19 @@ std::string json(const flies::RigReport& report) {
   return object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
+void check_outputs(const CalibrateArguments& arguments, const std::vector<flies::PairPaths>& paths) {
+  OutputClaims claims;
+  claims.reads(arguments.images.left);
+  claims.reads(arguments.images.right);
+  for (const auto& pair : paths) {
+    claims.reads(pair.left);
+    claims.reads(pair.right);
+  }
+  claims.writes(arguments.output, "--output");
+  claims.writes(arguments.picture, "--picture");
+  claims.writes(arguments.json, "--json");
+}
+
 void run_calibrate(const CalibrateArguments& arguments) {
   if (!arguments.check.empty()) {
     CheckArguments check;
@@ -216,15 +230,17 @@ void run_calibrate(const CalibrateArguments& arguments) {
     throw flies::InputError("--output", "", "is missing: the file that the calibration goes to");
   const auto board = board_of(arguments);
   const auto lens = lens_of(arguments);
-  auto seen = arguments.is_living ? find_living_boards(arguments, board) : find_boards(arguments, board);
+  const auto paths = arguments.is_living ? std::vector<flies::PairPaths>{} : pairs_of(arguments.images);
+  check_outputs(arguments, paths);
+  auto seen = arguments.is_living ? find_living_boards(arguments, board) : find_boards(arguments, board, paths);
   auto report =
       flies::calibrate_rig(flies::board_tools(), board, std::move(seen.pairs), seen.width_px, seen.height_px, lens);
   report.dropped.insert(report.dropped.end(), seen.without.begin(), seen.without.end());
+  flies::write_file(arguments.output,
+                    flies::calibration_texts(report.calibration, flies::CalibrationSyntax::opencv).text);
   if (!arguments.picture.empty())
     flies::write_png(arguments.picture, flies::draw_coverage(report.used, report.solution));
   if (!arguments.json.empty()) flies::write_file(arguments.json, json(report));
-  flies::write_file(arguments.output,
-                    flies::calibration_texts(report.calibration, flies::CalibrationSyntax::opencv).text);
   if (arguments.json != "-" && arguments.output != "-") print(table(report));
 }
 

@@ -67,25 +67,6 @@ void write_frame(const ProcessedFrame& frame, const std::string& name, const Det
     flies::write_file(path_of_frame(outputs.ply, name, is_single), flies::ply_text(frame.detection->evolved.flies));
 }
 
-struct FirstPair {
-  std::size_t index = 0;
-  flies::GrayPair images;
-};
-
-/// The first pair that can be read, which calibrations that do not tell their size are held against.
-/// @throws flies::InputError of the first pair when none can
-FirstPair first_readable(const std::vector<flies::PairPaths>& pairs, const flies::PairReading& reading) {
-  std::optional<flies::InputError> fault;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    try {
-      return {i, flies::load_pair(pairs[i], reading)};
-    } catch (const flies::InputError& error) {
-      if (!fault) fault = error;
-    }
-  }
-  throw flies::InputError(*fault);
-}
-
 /// A pair as the detector wants it. @throws flies::InputError when it cannot be
 flies::GrayPair usable_pair(const flies::PairPaths& paths, const flies::PairReading& reading,
                             const flies::Calibration& calibration, const RunDiagnosis& run) {
@@ -111,7 +92,8 @@ void run_detect(const DetectArguments& arguments) {
   if (unfitted.threads > 0)
     thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(unfitted.threads));
 
-  auto [first, images] = first_readable(pairs, reading);
+  auto [first, images] =
+      first_readable(pairs.size(), [&](std::size_t i) { return flies::load_pair(pairs[i], reading); });
   if (const auto note = orientation_note(pairs[first])) say_notes({*note});
   const auto request = calibration_request(arguments.camera, pairs[first].left, pairs[first].right, images.view());
   flies::Calibration calibration = flies::load_calibration(arguments.calib, request);
@@ -234,7 +216,7 @@ void setup_detect(CLI::App& app) {
       "Without output options a table is printed. On folders, files written per pair carry the name of the\n"
       "left image: --overlay found.png writes found_0000000012.png. Files appear when they are complete;\n"
       "an interrupted run keeps the finished lines of --json, --csv and --scan. In folders, a pair that\n"
-      "cannot be used gets a line with its error, and the run ends with status 2 after the others.\n"
+      "cannot be used gets a line in --json with its error, and the run ends with status 2 after the others.\n"
       "\nExamples:\n"
       "  flies detect left.png right.png --calib calib.txt\n"
       "  flies detect image_00/data image_01/data --calib calib_cam_to_cam.txt --json found.jsonl\n"

@@ -29,12 +29,7 @@ void add_baseline_option(CLI::App& command, CameraArguments& arguments) {
       ->type_name("M");
 }
 
-void add_calibration_options(CLI::App& command, CameraArguments& arguments) {
-  command.add_option("--right-calib", arguments.right_calib, "second file, where left and right have one each")
-      ->type_name("FILE");
-  add_raw_option(command, arguments);
-  add_resized_option(command, arguments);
-  add_baseline_option(command, arguments);
+void add_calibrated_size_option(CLI::App& command, CameraArguments& arguments) {
   command
       .add_option("--calib-size", arguments.calibrated_size_px,
                   "image size that a calibration file without one is for, where the images were resized")
@@ -42,6 +37,15 @@ void add_calibration_options(CLI::App& command, CameraArguments& arguments) {
       ->expected(2)
       ->check(CLI::Range(1, 100000).description(""))
       ->type_name("W,H");
+}
+
+void add_calibration_options(CLI::App& command, CameraArguments& arguments) {
+  command.add_option("--right-calib", arguments.right_calib, "second file, where left and right have one each")
+      ->type_name("FILE");
+  add_raw_option(command, arguments);
+  add_resized_option(command, arguments);
+  add_baseline_option(command, arguments);
+  add_calibrated_size_option(command, arguments);
 }
 
 void add_cameras_option(CLI::App& command, CameraArguments& arguments, const std::string& meaning) {
@@ -52,11 +56,9 @@ void add_cameras_option(CLI::App& command, CameraArguments& arguments, const std
       ->type_name("L,R");
 }
 
-flies::CalibrationRequest calibration_request(const CameraArguments& arguments, const std::string& left_path,
-                                              const std::string& right_path, const flies::RectifiedPair& images) {
+flies::CalibrationRequest calibration_request(const CameraArguments& arguments) {
   flies::CalibrationRequest request;
   fill_in(request, arguments);
-  if (const auto named = flies::kitti_cameras_from_paths(left_path, right_path)) request.default_cameras = *named;
   if (arguments.calibrated_size_px.size() == 2) {
     request.calibrated_width_px = arguments.calibrated_size_px[0];
     request.calibrated_height_px = arguments.calibrated_size_px[1];
@@ -64,6 +66,13 @@ flies::CalibrationRequest calibration_request(const CameraArguments& arguments, 
   request.right_path = arguments.right_calib;
   request.images_are_raw = arguments.is_raw;
   request.images_are_resized = arguments.is_resized;
+  return request;
+}
+
+flies::CalibrationRequest calibration_request(const CameraArguments& arguments, const std::string& left_path,
+                                              const std::string& right_path, const flies::RectifiedPair& images) {
+  flies::CalibrationRequest request = calibration_request(arguments);
+  if (const auto named = flies::kitti_cameras_from_paths(left_path, right_path)) request.default_cameras = *named;
   request.width_px = images.left.width_px;
   request.height_px = images.left.height_px;
   return request;

@@ -28,6 +28,7 @@ void add_calibration_options(CLI::App& command, CameraArguments& arguments);
 void add_raw_option(CLI::App& command, CameraArguments& arguments);
 void add_resized_option(CLI::App& command, CameraArguments& arguments);
 void add_baseline_option(CLI::App& command, CameraArguments& arguments);
+void add_calibrated_size_option(CLI::App& command, CameraArguments& arguments);  ///< --calib-size
 
 /// @param meaning what `--cameras` does for this command
 void add_cameras_option(CLI::App& command, CameraArguments& arguments, const std::string& meaning);
@@ -41,6 +42,9 @@ void fill_in(Request& request, const CameraArguments& arguments) {
   if (arguments.pitch_deg) request.camera_pitch_rad = flies::radians(*arguments.pitch_deg);
   if (arguments.roll_deg) request.camera_roll_rad = flies::radians(*arguments.roll_deg);
 }
+
+/// A calibration for images that are not known.
+flies::CalibrationRequest calibration_request(const CameraArguments& arguments);
 
 /// A calibration for a pair of images, whose paths tell which KITTI cameras they come from.
 flies::CalibrationRequest calibration_request(const CameraArguments& arguments, const std::string& left_path,

@@ -8,6 +8,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/io/images.hpp"
+#include "flies/pipeline/detector.hpp"
 
 namespace {
 
@@ -94,6 +95,18 @@ std::optional<flies::DiagnosisRecord> RunDiagnosis::record() const {
   return record;
 }
 
+FirstPair first_readable(std::size_t pairs, const LoadPair& load) {
+  std::optional<flies::InputError> fault;
+  for (std::size_t i = 0; i < pairs; ++i) {
+    try {
+      return {i, load(i)};
+    } catch (const flies::InputError& error) {
+      if (!fault) fault = error;
+    }
+  }
+  throw flies::InputError(*fault);
+}
+
 RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::PairReading& reading,
                       flies::Calibration& calibration, const RunCorrections& corrections) {
   const auto load = [&](std::size_t pair) { return flies::load_pair(pairs[pair], reading); };
@@ -103,13 +116,16 @@ RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::P
 RunDiagnosis diagnose(std::size_t pairs, const LoadPair& load, flies::Calibration& calibration,
                       const RunCorrections& corrections) {
   std::optional<std::string> mosaic;
+  std::vector<std::string> notes;  // on the files
   const LoadPair look_and_load = [&](std::size_t pair) {
     auto images = load(pair);
     if (!mosaic) mosaic = flies::mosaic_note(images.view());
+    if (notes.empty()) notes = images.notes;
     return images;
   };
   auto run = diagnose_sample(load_sample(pairs, look_and_load, calibration), calibration, corrections);
-  if (mosaic) run.notes.insert(run.notes.begin(), *mosaic);
+  if (mosaic) notes.push_back(*mosaic);
+  run.notes.insert(run.notes.begin(), notes.begin(), notes.end());
   return run;
 }
 
@@ -121,7 +137,8 @@ RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibra
   run.is_known = true;
   const auto diagnose_now = [&] {
     std::vector<flies::PairDiagnosis> each;
-    for (const auto& images : sample) each.push_back(flies::diagnose_pair(images.view(), calibration.camera));
+    const auto road = flies::fitted_options(calibration.camera, {}).road;
+    for (const auto& images : sample) each.push_back(flies::diagnose_pair(images.view(), calibration.camera, road));
     return flies::diagnose_run(each);
   };
   run.diagnosis = diagnose_now();

@@ -46,13 +46,23 @@ struct RunDiagnosis {
   std::optional<flies::DiagnosisRecord> record() const;
 };
 
+/// Loads one pair of a run. @throws flies::InputError when it cannot be used
+using LoadPair = std::function<flies::GrayPair(std::size_t)>;
+
+struct FirstPair {
+  std::size_t index = 0;
+  flies::GrayPair images;
+};
+
+/// The first pair that can be read, which calibrations that do not tell their size are held against.
+/// @param pairs at least one
+/// @throws flies::InputError of the first pair when none can
+FirstPair first_readable(std::size_t pairs, const LoadPair& load);
+
 /// Diagnoses up to five readable pairs of a run; those that cannot be used are passed over.
 /// @param calibration gets the mount that was found, where it is to be used
 RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::PairReading& reading,
                       flies::Calibration& calibration, const RunCorrections& corrections);
-
-/// Loads one pair of a run. @throws flies::InputError when it cannot be used
-using LoadPair = std::function<flies::GrayPair(std::size_t)>;
 
 /// The same of pairs that come from elsewhere.
 RunDiagnosis diagnose(std::size_t pairs, const LoadPair& load, flies::Calibration& calibration,

@@ -5,7 +5,8 @@
 #include <vector>
 
 /// An output folder that appears, or changes, only when everything in it is complete: files go to a folder
-/// `<name>.part-<number>` beside it, which `commit` puts in its place; without `commit` it is removed.
+/// `<name>.part-<process>` beside it, or `.flies.part-<process>` in it where it exists, which `commit` puts in its
+/// place; without `commit` it is removed. Links are followed.
 class StagedFolder {
  public:
   /// @param entries what will be written; the only names `commit` replaces
@@ -21,7 +22,8 @@ class StagedFolder {
   /// @throws flies::InputError when a folder cannot be made
   std::string path(const std::string& file) const;
 
-  /// Call it once, last. @throws flies::InputError when the result cannot be put in its place
+  /// Call it once, last.
+  /// @throws flies::InputError when the result cannot be put in its place; the folder then is as it was
   void commit();
 
  private:

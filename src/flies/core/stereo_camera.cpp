@@ -14,7 +14,7 @@ namespace {
 /// Beyond this the camera does not look along the road and the method's field of detection makes no sense.
 constexpr double kMaxTilt_deg = 45.0;
 
-/// Cameras of endoscopes and of aircraft lie well within these.
+/// What numbers can bear; `check_plausible` draws narrower bounds round what cameras have.
 constexpr double kLeastFocal_px = 0.01, kMostFocal_px = 1e6;
 constexpr double kLeastBaseline_m = 1e-4, kMostBaseline_m = 1e4;
 constexpr double kLeastHeight_m = 1e-3, kMostHeight_m = 1e4;

@@ -31,8 +31,9 @@ struct StereoCamera {
   CameraMount mount;
 };
 
-/// Checks the ranges: focal lengths 0.01 to 1e6 px, baseline 1e-4 to 1e4 m, height 1e-3 to 1e4 m, tilts within 45
-/// degrees, sizes 0 to 2^20 px, principal points within one image size of the image, of unknown images within 2^20 px.
+/// Checks the ranges: focal lengths 0.01 to 1e6 px, of known images 0.1 to 20 widths, fx and fy at most a factor of 5
+/// apart, baseline 0.005 to 10 m, height 1e-3 to 1e4 m, tilts within 45 degrees, sizes 0 to 2^20 px, principal points
+/// within one image size of the image, of unknown images within 2^20 px.
 /// @throws InputError naming `source` and the field, and the likely unit where a length cannot be in the one expected
 void check_camera(const StereoCamera& camera, const std::string& source);
 

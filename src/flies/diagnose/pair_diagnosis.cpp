@@ -9,7 +9,6 @@
 
 #include "flies/core/quantile.hpp"
 #include "flies/diagnose/image_cells.hpp"
-#include "flies/road/road.hpp"
 
 namespace flies {
 namespace {
@@ -49,6 +48,10 @@ void see_levels(const GrayView& image, PairDiagnosis& diagnosis) {
   diagnosis.bright_share = bright / pixels;
 }
 
+ImageNoise noisier(const ImageNoise& a, const ImageNoise& b) {
+  return a.contrast_to_noise() < b.contrast_to_noise() ? a : b;
+}
+
 std::string what_hides(const PairDiagnosis& d) {
   if (d.dark_share > kMuchHidden) return "the image is nearly black (a lens cap, night, too short an exposure)";
   if (d.bright_share > kMuchHidden) return "the image is nearly white (the sun, too long an exposure)";
@@ -77,15 +80,16 @@ bool PairDiagnosis::can_be_trusted() const {
   return textured_share >= kNothingTextured && !is_flat() && is_found && is_before_infinity;
 }
 
-PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camera) {
+PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camera, const RoadOptions& road) {
   PairDiagnosis diagnosis;
   see_levels(pair.left, diagnosis);
   diagnosis.evidence = gather_pair_evidence(pair, camera);
   const auto& [upper_px, lower_px] = std::pair(diagnosis.evidence.upper_px, diagnosis.evidence.lower_px);
   if (upper_px > 0.0 && lower_px > 0.0) diagnosis.nearer_above = upper_px / lower_px;
   diagnosis.sides = compare_sides(pair);
+  diagnosis.noise = noisier(measure_noise(pair.left), measure_noise(pair.right));
   diagnosis.rows = fit_row_error(match_corners(pair), pair.left.width_px);
-  diagnosis.road_found = estimate_road(pair, Projection(camera), {}).found;
+  diagnosis.road_found = estimate_road(pair, Projection(camera), road).found;
   return diagnosis;
 }
 
@@ -95,6 +99,7 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
   std::vector<double> textured, dark, bright, nearer_above;
   std::vector<RowError> rows;
   std::vector<SideDifference> sides;
+  std::vector<ImageNoise> noise;
   int roads = 0;
   for (const auto& pair : pairs) {
     textured.push_back(pair.textured_share);
@@ -105,6 +110,7 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
     run.evidence.beyond += pair.evidence.beyond;
     run.evidence.distant += pair.evidence.distant;
     sides.push_back(pair.sides);
+    noise.push_back(pair.noise);
     if (pair.rows) rows.push_back(*pair.rows);
     if (pair.nearer_above) nearer_above.push_back(*pair.nearer_above);
     roads += pair.road_found;
@@ -114,6 +120,7 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
   run.bright_share = upper_median(std::move(bright));
   if (!nearer_above.empty()) run.nearer_above = upper_median(std::move(nearer_above));
   run.sides = median_side_difference(sides);
+  run.noise = median_noise(std::move(noise));
   run.rows = median_row_error(rows);
   run.road_found = roads > 0;
   return run;
@@ -143,6 +150,11 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
     found.push_back(fmt::format("nothing can be seen in much of the image: {}", what_hides(d)));
   else
     for (auto& complaint : complaints(d.sides)) found.push_back(std::move(complaint));
+  if (d.noise.contrast_to_noise() < kLeastContrastToNoise)
+    found.push_back(fmt::format(
+        "the images are noisy: pixels vary by {:.1f} grey levels at random and by {:.1f} with the scene, so "
+        "things are missed; more light, a longer exposure or less gain help",
+        d.noise.noise_gray, d.noise.contrast_gray));
   const double row_error_px = d.rows ? d.rows->typical_px() : 0.0;
   if (row_error_px >= kRowErrorMatters_px)
     found.push_back(fmt::format(

@@ -8,7 +8,9 @@
 #include "flies/core/pair_check.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/diagnose/compare_sides.hpp"
+#include "flies/diagnose/image_noise.hpp"
 #include "flies/diagnose/row_error.hpp"
+#include "flies/road/road.hpp"
 
 namespace flies {
 
@@ -23,6 +25,7 @@ struct PairDiagnosis {
   /// disparities: below 1.2 in 53 pairs of streets and other places, and the inverse when images stand on their heads.
   std::optional<double> nearer_above;
   SideDifference sides;     ///< in what the images differ that should not
+  ImageNoise noise;         ///< of the noisier image
   bool road_found = false;  ///< the road's plane agrees with the mount of the camera
 
   /// Of the patches, those found on their row at or before infinity; 0.32 and more in good pairs of streets.
@@ -37,7 +40,8 @@ struct PairDiagnosis {
 
 /// Takes some 30 ms; `Detector` does not call it.
 /// @param pair 64 x 48 px at least, both images of one size
-PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camera);
+/// @param road where and how the road is looked for, as `fitted_options` has it for the camera
+PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camera, const RoadOptions& road = {});
 
 /// What a run of pairs says together: sums and medians.
 PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs);

@@ -103,6 +103,14 @@ TEST(Complaints, HiddenPartsAndScatteredRowsAreTold) {
   EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("1.2 px here and there")));
 }
 
+TEST(DiagnosePair, ToldIsNoise) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  EXPECT_THAT(complaints_of(pair, camera()), Not(Contains(HasSubstr("noisy"))));
+  FlyRandom random(3, 0, 0, 0);
+  for (auto& level : pair.right.pixels) level = static_cast<std::uint8_t>(level / 4 + random.below(32));
+  EXPECT_THAT(complaints_of(pair, camera()), Contains(HasSubstr("the images are noisy: pixels vary by 9")));
+}
+
 TEST(DiagnosePair, ToldIsThatFewPlacesAreFound) {
   GrayPair pair = textured_pair(8.0, 0.0, 0.0);
   const GrayPair other = textured_pair(8.0, 60.0, 0.0);

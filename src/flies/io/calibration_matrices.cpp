@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/opencv_names.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
 namespace flies::detail {
@@ -201,8 +202,9 @@ const CalibrationFormat kKittiRaw{"KITTI raw calib_cam_to_cam.txt", true, false,
 
 const CalibrationFormat kKittiOdometry{"KITTI odometry calib.txt", true, false,
                                        [](const NumberTable& table) {
-                                         return (table.has("P0") && table.has("P1")) ||
-                                                (table.has("P2") && table.has("P3"));
+                                         const bool has_pair = (table.has("P0") && table.has("P1")) ||
+                                                               (table.has("P2") && table.has("P3"));
+                                         return has_pair && !opencv_names(table).has_matrices;
                                        },
                                        [](const NumberTable& table, const CalibrationRequest& request) {
                                          return read_kitti(table, request, "P{}", nullptr);

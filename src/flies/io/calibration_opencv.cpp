@@ -46,15 +46,30 @@ std::array<double, 9> intrinsics_of(const NumberTable& table, const std::string&
   return camera_matrix(numbers[0], numbers[1], numbers[2], numbers[3]);
 }
 
+/// A file whose lenses are free of distortion has nothing that looks like coefficients.
+void check_no_distortion(const NumberTable& table) {
+  constexpr std::size_t kFewest = 4, kMost = 14;
+  for (const auto& [key, entry] : table.entries) {
+    const auto count = entry.numbers.size();
+    if ((key.starts_with('d') || key.starts_with('D')) && count >= kFewest && count <= kMost)
+      throw InputError(
+          table.source, key,
+          fmt::format("found {} numbers: are they coefficients of distortion? expected them as D1 and D2", count));
+  }
+}
+
 Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const CalibrationRequest& request) {
   const auto size = known_size(size_of(table, names), request, table.source);
   RawPair pair{{}, names.matrices[0], names.matrices[1], names.pose.empty() ? names.rotation : names.pose};
   // OpenCV's own names stand in for those that are not there.
   const bool is_undistorted = !table.has(names.distortions[0]) && !table.has(names.distortions[1]);
-  if (is_undistorted)
+  if (is_undistorted) {
+    check_no_distortion(table);
     pair.notes.push_back("the file has no coefficients of distortion: the lenses are taken as free of it");
+  }
   const auto camera_of = [&](std::size_t side) {
-    RawCamera camera{intrinsics_of(table, names.matrices[side]), {}, named_lens(table)};
+    const Lens lens = names.are_fisheyes ? Lens::equidistant : named_lens(table);
+    RawCamera camera{intrinsics_of(table, names.matrices[side]), {}, lens};
     if (!is_undistorted) camera.distortion = table.require(names.distortions[side]);
     if (names.mirrors[side].empty()) return camera;
     camera.lens = Lens::mei;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "flies/core/gray_view.hpp"
@@ -23,6 +24,7 @@ struct GrayPair {
   GrayImage left;
   GrayImage right;
   int bit_depth = 8;  ///< bits of the files that were kept apart: 8, or 9..16 for 16-bit files (see `load_pair`)
+  std::vector<std::string> notes = {};  ///< sentences for the user: what was assumed of the files
 
   /// Valid as long as the pair is.
   RectifiedPair view() const { return {left.view(), right.view()}; }

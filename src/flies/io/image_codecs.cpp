@@ -32,6 +32,10 @@ cv::Mat stored_pixels(std::string_view bytes) {
 
 }  // namespace
 
+bool has_second_image(std::string_view bytes) {
+  return detail::image_file_kind(bytes) == detail::ImageFileKind::tiff && detail::has_second_tiff_image(bytes);
+}
+
 cv::Mat decode_image(std::string_view bytes) {
   const cv::Mat stored = stored_pixels(bytes);
   return stored.empty() ? stored : detail::turned(stored, detail::stored_orientation(bytes));

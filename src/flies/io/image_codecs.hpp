@@ -17,6 +17,9 @@ namespace flies {
 /// @returns grey or BGR levels of the file's depth, perhaps with alpha; empty when they cannot be decoded
 cv::Mat decode_image(std::string_view bytes);
 
+/// Whether a TIFF file holds a second image of the size of the first, which is the one that is decoded.
+bool has_second_image(std::string_view bytes);
+
 /// @param image 8 or 16 bits; grey, BGR or BGRA
 /// @param is_small compresses harder, which takes more time
 std::vector<std::uint8_t> encode_png(const cv::Mat& image, bool is_small = false);

@@ -54,6 +54,20 @@ TEST(DecodeImage, ReadsWhatOpencvReads) {
   }
 }
 
+TEST(DecodeJpeg, BearsBytesBehindTheLastRow) {
+  constexpr std::size_t kEnd = 2, kPadding = 64;  // FF D9; more than a decoder reads ahead
+  const cv::Mat image = noise(CV_8UC1);
+  const auto bytes = encode_jpeg(image, 90);
+  auto padded = bytes;
+  padded.insert(padded.end() - kEnd, kPadding, 0);
+  expect_equal(decode_image(view_of(padded)), decode_image(view_of(bytes)), "padded");
+  auto cut = bytes;
+  cut.erase(cut.end() - 400, cut.end() - kEnd);
+  EXPECT_TRUE(decode_image(view_of(cut)).empty());
+  cut.insert(cut.end() - kEnd, kPadding, 0);
+  EXPECT_TRUE(decode_image(view_of(cut)).empty());
+}
+
 TEST(DecodePnm, TakesTheShortestTextsAndNoneThatPromisesMore) {
   EXPECT_EQ(decode_image("P1\n3 2\n101010").size(), cv::Size(3, 2));
   EXPECT_EQ(decode_image("P2\n2 2\n9\n1 2 3 4").size(), cv::Size(2, 2));

@@ -29,4 +29,6 @@ cv::Mat decode_tiff(std::string_view bytes);
 cv::Mat decode_webp(std::string_view bytes);
 cv::Mat decode_bmp(std::string_view bytes);
 
+bool has_second_tiff_image(std::string_view bytes);
+
 }  // namespace flies::detail

@@ -10,13 +10,13 @@
 #include <regex>
 #include <set>
 
+#include "flies/io/folder.hpp"
+
 namespace flies {
 namespace {
 
 using Paths = std::vector<std::string>;
 using Tokens = std::vector<std::string>;
-
-std::string stem_of(const std::string& path) { return std::filesystem::path(path).stem().string(); }
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
@@ -57,7 +57,7 @@ struct Names {
   explicit Names(const Paths& paths) {
     std::map<std::string, int> counts;
     for (const auto& path : paths) {
-      tokens.push_back(tokens_of(stem_of(path)));
+      tokens.push_back(tokens_of(detail::stem_of(path)));
       ++counts[shape_of(tokens.back())];
     }
     int most = 0;
@@ -119,9 +119,14 @@ std::optional<double> date_and_time_of(const std::string& stem) {
   static const std::regex kSpoken(
       R"((?:^|\D)(\d{4})[-_.](\d{2})[-_.](\d{2})[T _-]+(\d{2})[-_:.](\d{2})[-_:.](\d{2})(?:[.,_-](\d{1,9}))?(?!\d))");
   static const std::regex kCompact(
-      R"((?:^|\D)(\d{4})(\d{2})(\d{2})[T_-](\d{2})(\d{2})(\d{2})(?:[.,_-](\d{1,9}))?(?!\d))");
+      R"((?:^|\D)(\d{4})(\d{2})(\d{2})[T_-](\d{2})(\d{2})(\d{2})(?:[.,_-]?(\d{1,9}))?(?!\d))");
+  // Of other years it is a count of micro- or nanoseconds.
+  static const std::regex kRun(
+      R"((?:^|\D)(199\d|20\d\d|2100)(\d{2})(\d{2})(\d{2})(\d{2})(\d{2})(?:[.,_-]?(\d{1,9}))?(?!\d))");
   std::smatch found;
-  if (!std::regex_search(stem, found, kSpoken) && !std::regex_search(stem, found, kCompact)) return std::nullopt;
+  if (!std::regex_search(stem, found, kSpoken) && !std::regex_search(stem, found, kCompact) &&
+      !std::regex_search(stem, found, kRun))
+    return std::nullopt;
   const auto part = [&](std::size_t i) { return std::stoi(found[i].str()); };
   const std::chrono::year_month_day date{std::chrono::year(part(1)), std::chrono::month(static_cast<unsigned>(part(2))),
                                          std::chrono::day(static_cast<unsigned>(part(3)))};
@@ -156,7 +161,7 @@ std::optional<std::vector<double>> times_in_names(const Paths& paths) {
   std::vector<std::string> stems;
   std::set<std::size_t> lengths;
   for (const auto& path : paths) {
-    stems.push_back(stem_of(path));
+    stems.push_back(detail::stem_of(path));
     lengths.insert(stems.back().size());
   }
   std::vector<double> times_s;
@@ -208,7 +213,7 @@ std::pair<Paths, Paths> names_without_side(const Paths& left, const Paths& right
   }
   const auto stems_of = [](const Paths& paths) {
     Paths stems;
-    for (const auto& path : paths) stems.push_back(stem_of(path));
+    for (const auto& path : paths) stems.push_back(detail::stem_of(path));
     return stems;
   };
   return {stems_of(left), stems_of(right)};

@@ -8,10 +8,10 @@
 
 namespace flies {
 
-/// Seconds that the names of a folder's images tell: date and time (2024-05-01T10-00-00.100, 20240501_100000), seconds
-/// with a fraction (1698765432.1039), seconds and nanoseconds (1698765432_103900000), or one number of at least ten
-/// digits, which counts seconds (10 digits), milliseconds (13), microseconds (16) or nanoseconds. Words before and
-/// after are passed over, and numbers that begin with 0 are counters.
+/// Seconds that the names of a folder's images tell: date and time (2024-05-01T10-00-00.100, 20240501_100000,
+/// 20240501100000123), seconds with a fraction (1698765432.1039), seconds and nanoseconds (1698765432_103900000), or
+/// one number of at least ten digits, which counts seconds (10 digits), milliseconds (13), microseconds (16) or
+/// nanoseconds. Words before and after are passed over, and numbers that begin with 0 are counters.
 /// @returns nothing when one of the names tells none
 std::optional<std::vector<double>> times_in_names(const std::vector<std::string>& paths);
 

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace flies {
 namespace {
 
@@ -22,6 +24,9 @@ TEST(TimesInNames, AreReadInTheFormsThatAreFound) {
       {"1698765432500000000.png", "1698765433000000000.png"},
       {"2023-10-31T15-17-12.500.png", "2023-10-31T15-17-13.000.png"},
       {"20231031_151712_500_left.png", "20231031_151713_000_left.png"},
+      {"IMG_20231031_151712500.png", "IMG_20231031_151713000.png"},
+      {"20231031151712500.png", "20231031151713.png"},
+      {"left_20231031151712.5.png", "left_20231031151713.png"},
       {"a/2023-10-31 15:17:12.5.png", "a/2023-10-31 15:17:13.0.png"}};
   for (const auto& folder : folders) {
     const auto times_s = times_in_names(folder);
@@ -32,6 +37,18 @@ TEST(TimesInNames, AreReadInTheFormsThatAreFound) {
   const auto unpadded = times_in_names({"1698765432_3000000.png", "1698765432_103000000.png"});
   ASSERT_TRUE(unpadded);
   EXPECT_NEAR((*unpadded)[1] - (*unpadded)[0], 0.1, kSmallest_s);
+}
+
+TEST(TimesInNames, AreCountsWhereARunOfDigitsIsNoDate) {
+  const std::vector<std::pair<std::string, double>> counts = {{"1698123112595900.png", 1698123112.5959},
+                                                              {"1698123112595900000.png", 1698123112.5959},
+                                                              {"2033139912595900.png", 2033139912.5959},
+                                                              {"2033123125595900.png", 2033123125.5959}};
+  for (const auto& [name, time_s] : counts) {
+    const auto times_s = times_in_names({name});
+    ASSERT_TRUE(times_s) << name;
+    EXPECT_NEAR((*times_s)[0], time_s, kSmallest_s) << name;
+  }
 }
 
 TEST(TimesInNames, AreNoCountersAndNoWords) {

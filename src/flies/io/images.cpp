@@ -10,6 +10,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "flies/core/error.hpp"
@@ -22,12 +24,15 @@ namespace {
 
 constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
 
-cv::Mat decode(const std::string& path) {
+using Notes = std::vector<std::string>;
+
+cv::Mat decode(const std::string& path, Notes& notes) {
   const std::string bytes = read_file(path, kMaxBytes);
   const std::string fault = detail::image_file_fault(bytes);
   if (!fault.empty()) throw InputError(path, "", fault);
   cv::Mat image = decode_image(bytes);
   if (image.empty()) throw InputError(path, "", "is damaged or truncated: its pixels cannot be decoded");
+  if (has_second_image(bytes)) notes.emplace_back("the files hold further images of this size; only the first is read");
   return image;
 }
 
@@ -70,28 +75,11 @@ cv::Mat to_gray(const cv::Mat& image, const std::string& path) {
   return gray;
 }
 
-cv::Mat read_gray(const std::string& path, const cv::Size& least = {kMinImageWidth_px, kMinImageHeight_px}) {
-  const cv::Mat image = decode(path);
+cv::Mat read_gray(const std::string& path, Notes& notes,
+                  const cv::Size& least = {kMinImageWidth_px, kMinImageHeight_px}) {
+  const cv::Mat image = decode(path, notes);
   check_pixels(image, path, least);
   return to_gray(image, path);
-}
-
-/// Grey of a mosaic, which some programs save with three equal channels.
-cv::Mat read_mosaic(const std::string& path, BayerPattern pattern) {
-  const cv::Mat image = decode(path);
-  check_pixels(image, path, {kMinImageWidth_px, kMinImageHeight_px});
-  for (int channel = 1; channel < std::min(3, image.channels()); ++channel) {
-    cv::Mat first, other;
-    cv::extractChannel(image, first, 0);
-    cv::extractChannel(image, other, channel);
-    if (cv::norm(first, other, cv::NORM_INF) > 0.0)
-      throw InputError(path, "pixels", "found colours, expected the grey levels of a mosaic (--bayer)");
-  }
-  return demosaiced(to_gray(image, path), pattern);
-}
-
-cv::Mat read_gray(const std::string& path, const PairReading& reading) {
-  return reading.bayer ? read_mosaic(path, *reading.bayer) : read_gray(path);
 }
 
 /// Bits needed for the brightest pixel of a 16-bit image, at least 8.
@@ -173,18 +161,48 @@ GrayImage to_8_bits(const cv::Mat& gray, int bit_depth, const std::optional<Band
   return image;
 }
 
+/// Mosaics whose colours are weak can show neither.
+std::optional<std::string> pattern_note(const cv::Mat& mosaic, BayerPattern pattern) {
+  const int bit_depth = significant_bits(mosaic);
+  const auto seen = recognise_mosaic(to_8_bits(mosaic, bit_depth, narrow_band({&mosaic}, bit_depth)).view());
+  if (!seen || *seen == greens_of(pattern)) return std::nullopt;
+  return std::string("--bayer: the greens of the images lie elsewhere; they look like ") + patterns_of(*seen);
+}
+
+/// Grey of a mosaic, which some programs save with three equal channels.
+cv::Mat read_mosaic(const std::string& path, BayerPattern pattern, Notes& notes) {
+  const cv::Mat image = decode(path, notes);
+  check_pixels(image, path, {kMinImageWidth_px, kMinImageHeight_px});
+  for (int channel = 1; channel < std::min(3, image.channels()); ++channel) {
+    cv::Mat first, other;
+    cv::extractChannel(image, first, 0);
+    cv::extractChannel(image, other, channel);
+    if (cv::norm(first, other, cv::NORM_INF) > 0.0)
+      throw InputError(path, "pixels", "found colours, expected the grey levels of a mosaic (--bayer)");
+  }
+  const cv::Mat mosaic = to_gray(image, path);
+  if (auto note = pattern_note(mosaic, pattern)) notes.push_back(*std::move(note));
+  return demosaiced(mosaic, pattern);
+}
+
+cv::Mat read_gray(const std::string& path, const PairReading& reading, Notes& notes) {
+  return reading.bayer ? read_mosaic(path, *reading.bayer, notes) : read_gray(path, notes);
+}
+
 }  // namespace
 
 GrayImage load_gray_image(const std::string& path, int min_width_px, int min_height_px) {
-  const cv::Mat gray = read_gray(path, {min_width_px, min_height_px});
+  Notes notes;
+  const cv::Mat gray = read_gray(path, notes, {min_width_px, min_height_px});
   const int bit_depth = significant_bits(gray);
   return to_8_bits(gray, bit_depth, narrow_band({&gray}, bit_depth));
 }
 
 namespace {
 
-GrayPair pair_of(const cv::Mat& left, const cv::Mat& right, const std::string& left_path,
-                 const std::string& right_path) {
+/// @param notes on the two files; those that are equal are kept once
+GrayPair pair_of(const cv::Mat& left, const cv::Mat& right, const std::string& left_path, const std::string& right_path,
+                 Notes notes) {
   if (left.size() != right.size())
     throw InputError(right_path, "size",
                      fmt::format("found {} x {} px, expected {} x {} px as in {}", right.cols, right.rows, left.cols,
@@ -196,15 +214,21 @@ GrayPair pair_of(const cv::Mat& left, const cv::Mat& right, const std::string& l
   if (cv::norm(left, right, cv::NORM_INF) == 0.0)
     throw InputError(right_path, "pixels", fmt::format("not a pair: the image is identical to {}", left_path));
   const int bit_depth = std::max(significant_bits(left), significant_bits(right));
-  const auto left_band = band_of({&left}), right_band = band_of({&right});
+  notes.erase(std::unique(notes.begin(), notes.end()), notes.end());
+  auto left_band = band_of({&left}), right_band = band_of({&right});
   if (are_apart(left_band, right_band))
-    return {to_8_bits(left, bit_depth, left_band), to_8_bits(right, bit_depth, right_band), bit_depth};
-  const auto band = narrow_band({&left, &right}, bit_depth);
-  return {to_8_bits(left, bit_depth, band), to_8_bits(right, bit_depth, band), bit_depth};
+    notes.push_back(
+        fmt::format("the levels of the 16-bit images hardly overlap, left {} to {} and right {} to {}: each is "
+                    "stretched by its own",
+                    left_band->low, left_band->high, right_band->low, right_band->high));
+  else
+    left_band = right_band = narrow_band({&left, &right}, bit_depth);
+  return {to_8_bits(left, bit_depth, left_band), to_8_bits(right, bit_depth, right_band), bit_depth, std::move(notes)};
 }
 
 GrayPair load_split_pair(const std::string& path, const PairReading& reading) {
-  const cv::Mat both = read_gray(path, reading);
+  Notes notes;
+  const cv::Mat both = read_gray(path, reading, notes);
   const bool is_side = reading.split == Split::side_by_side;
   const int length = is_side ? both.cols : both.rows;
   if (length % 2 != 0)
@@ -215,16 +239,17 @@ GrayPair load_split_pair(const std::string& path, const PairReading& reading) {
   const cv::Mat left = both(cv::Rect(0, 0, width, height));
   const cv::Mat right = both(cv::Rect(both.cols - width, both.rows - height, width, height));
   for (const cv::Mat* half : {&left, &right}) check_pixels(*half, path, {kMinImageWidth_px, kMinImageHeight_px});
-  return pair_of(left, right, path + " (first half)", path + " (second half)");
+  return pair_of(left, right, path + " (first half)", path + " (second half)", std::move(notes));
 }
 
 }  // namespace
 
 GrayPair load_pair(const PairPaths& paths, const PairReading& reading) {
   if (reading.split != Split::none) return load_split_pair(paths.left, reading);
-  const cv::Mat left = read_gray(paths.left, reading);  // the left one's faults are told first
-  const cv::Mat right = read_gray(paths.right, reading);
-  return pair_of(left, right, paths.left, paths.right);
+  Notes notes;
+  const cv::Mat left = read_gray(paths.left, reading, notes);  // the left one's faults are told first
+  const cv::Mat right = read_gray(paths.right, reading, notes);
+  return pair_of(left, right, paths.left, paths.right, std::move(notes));
 }
 
 GrayPair load_pair(const std::string& left_path, const std::string& right_path) {

@@ -20,7 +20,9 @@ using flies::testing::error_of;
 using flies::testing::read_all;
 using flies::testing::TemporaryFolder;
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 constexpr int kWidth_px = 96;
 constexpr int kHeight_px = 64;
@@ -118,6 +120,23 @@ TEST(LoadPair, StretchesEachImageByItsOwnLevelsWhereTheyHardlyOverlap) {
   const auto offsets = load_pair(save(folder, "l.png", low), save(folder, "r.png", high));
   EXPECT_TRUE(is_stretched(offsets.left));
   EXPECT_TRUE(is_stretched(offsets.right));
+  EXPECT_THAT(offsets.notes, ElementsAre(AllOf(HasSubstr("left 2000"), HasSubstr("right 299"))));
+  const cv::Mat alike = noise(CV_16UC1, 2, 500) + cv::Scalar(20100);
+  EXPECT_THAT(load_pair(save(folder, "l.png", low), save(folder, "r.png", alike)).notes, IsEmpty());
+}
+
+TEST(LoadPair, TellsThatTiffFilesHoldFurtherImages) {
+  const TemporaryFolder folder;
+  const auto save_all = [&](const std::string& name, const std::vector<cv::Mat>& images) {
+    cv::imwritemulti(folder.file(name), images);
+    return folder.file(name);
+  };
+  const cv::Mat first = noise(CV_8UC1, 1, 256), second = noise(CV_8UC1, 2, 256), wide = noise(CV_8UC1, 3, 256, 100);
+  const auto pages = load_pair(save_all("l.tif", {first, wide, second}), save_all("r.tif", {second, first}));
+  EXPECT_THAT(pages.notes, ElementsAre(HasSubstr("further images of this size")));
+  EXPECT_EQ(pages.right.view().at(7, 9), second.at<std::uint8_t>(9, 7));
+  EXPECT_THAT(load_pair(save_all("l.tif", {first}), save_all("r.tif", {second, wide})).notes, IsEmpty())
+      << "a thumbnail";
 }
 
 TEST(LoadPair, LeavesSmall16BitValuesUnshifted) {

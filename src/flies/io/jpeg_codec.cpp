@@ -1,5 +1,6 @@
 #include <cstdio>
 // libjpeg's header wants the line above.
+#include <jerror.h>
 #include <jpeglib.h>
 
 #include <cassert>
@@ -23,9 +24,23 @@ struct Errors {
 
 void leave(j_common_ptr jpeg) { std::longjmp(reinterpret_cast<Errors*>(jpeg->err)->jump, 1); }
 
+/// Bytes between the last row and the end of the image (marker D9), as the films of many USB cameras have in every
+/// picture.
+bool is_padding(j_common_ptr jpeg) {
+  constexpr int kEndOfImage = 0xD9;
+  if (jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA || jpeg->err->msg_parm.i[1] != kEndOfImage) return false;
+  const auto* decoder = reinterpret_cast<j_decompress_ptr>(jpeg);  // only decoders look for markers
+  return decoder->output_scanline > 0 && decoder->output_scanline >= decoder->output_height;
+}
+
+void count_warning(j_common_ptr jpeg, int level) {
+  if (level < 0 && !is_padding(jpeg)) ++jpeg->err->num_warnings;
+}
+
 jpeg_error_mgr* silent(Errors& errors) {
   jpeg_std_error(&errors.base);
   errors.base.error_exit = leave;
+  errors.base.emit_message = count_warning;
   errors.base.output_message = [](j_common_ptr) {};
   return &errors.base;
 }

@@ -94,13 +94,21 @@ std::optional<MosaicGreens> recognise_mosaic(const GrayView& image) {
   return std::nullopt;
 }
 
+MosaicGreens greens_of(BayerPattern pattern) {
+  return pattern == BayerPattern::rggb || pattern == BayerPattern::bggr ? MosaicGreens::beside : MosaicGreens::first;
+}
+
+const char* patterns_of(MosaicGreens greens) {
+  return greens == MosaicGreens::beside ? "rggb or bggr" : "grbg or gbrg";
+}
+
 std::optional<std::string> mosaic_note(const RectifiedPair& pair) {
   auto greens = recognise_mosaic(pair.left);
   if (!greens) greens = recognise_mosaic(pair.right);
   if (!greens) return std::nullopt;
   return std::string(
              "the images look like the raw mosaic of a colour camera (Bayer), which is matched badly: --bayer ") +
-         (*greens == MosaicGreens::beside ? "rggb or bggr" : "grbg or gbrg") + " makes grey of it";
+         patterns_of(*greens) + " makes grey of it";
 }
 
 }  // namespace flies

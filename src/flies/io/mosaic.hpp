@@ -29,6 +29,11 @@ enum class MosaicGreens {
   first,   ///< green on the first pixel: grbg or gbrg
 };
 
+MosaicGreens greens_of(BayerPattern pattern);
+
+/// The two patterns with these greens, in words.
+const char* patterns_of(MosaicGreens greens);
+
 /// Whether the image is a Bayer mosaic that was taken for a grey image. In squares of 2 x 2 pixels the difference of
 /// the diagonals then goes on from square to square, because colours do; in images it changes at random (correlations
 /// over 300 images below 0.1, of mosaics made from 16 colour images above 0.2).

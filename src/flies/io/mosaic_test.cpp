@@ -20,7 +20,9 @@ namespace flies {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 constexpr std::pair<const char*, BayerPattern> kPatterns[] = {{"rggb", BayerPattern::rggb},
                                                               {"bggr", BayerPattern::bggr},
@@ -125,6 +127,8 @@ TEST(LoadPair, MakesGrayOfMosaicsAndRefusesColours) {
   EXPECT_TRUE(std::equal(pair.right.pixels.begin(), pair.right.pixels.end(), expected.data));
   EXPECT_THAT(mosaic_note(load_pair(paths, {}).view()).value_or(""), HasSubstr("--bayer grbg or gbrg"));
   EXPECT_FALSE(mosaic_note(pair.view()));
+  EXPECT_THAT(pair.notes, IsEmpty());
+  EXPECT_THAT(load_pair(paths, {.bayer = BayerPattern::rggb}).notes, ElementsAre(HasSubstr("like grbg or gbrg")));
   const PairPaths colored{save("cl.png", left), save("cr.png", right)};
   EXPECT_THAT(testing::error_of([&] { load_pair(colored, {.bayer = BayerPattern::gbrg}); }),
               AllOf(HasSubstr("cl.png"), HasSubstr("colours")));

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/realsense.hpp"
 #include "flies/io/number_lines.hpp"
 #include "flies/io/text_file.hpp"
 #include "flies/io/yaml_text.hpp"
@@ -162,7 +163,7 @@ NumberTable parse_number_table(const std::string& text, const std::string& sourc
   if (text.find('\0') != std::string::npos) return table;  // binary: no format will know it
   if (is_opencv_xml(text)) {
     parse_xml(text, table);
-  } else if (!detail::parse_lines_of_numbers(text, table)) {
+  } else if (!detail::parse_realsense(text, table) && !detail::parse_lines_of_numbers(text, table)) {
     parse_yaml(text, table);
   }
   return table;

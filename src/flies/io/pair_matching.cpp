@@ -113,30 +113,50 @@ TimedPaths in_order_of_time(const Paths& paths) {
   return found;
 }
 
+/// @param times_s in order
 std::size_t nearest(const std::vector<double>& times_s, double time_s) {
-  const auto closer = [&](double a, double b) { return std::abs(a - time_s) < std::abs(b - time_s); };
-  return static_cast<std::size_t>(std::min_element(times_s.begin(), times_s.end(), closer) - times_s.begin());
+  const auto after = std::lower_bound(times_s.begin(), times_s.end(), time_s);
+  if (after == times_s.begin()) return 0;
+  const auto at = static_cast<std::size_t>(after - times_s.begin());
+  return after == times_s.end() || time_s - times_s[at - 1] <= *after - time_s ? at - 1 : at;
 }
 
-/// Half of the usual time between images: what is farther apart belongs to the next one.
-double patience_s(std::vector<double> times_s) {
-  if (times_s.size() < 2) return 1.0;
-  std::sort(times_s.begin(), times_s.end());
+/// The usual time between images, which are in order.
+double usual_step_s(const std::vector<double>& times_s) {
+  if (times_s.size() < 2) return 2.0;
   std::vector<double> steps_s;
   for (std::size_t i = 1; i < times_s.size(); ++i) steps_s.push_back(times_s[i] - times_s[i - 1]);
-  return 0.5 * upper_median(std::move(steps_s));
+  return upper_median(std::move(steps_s));
+}
+
+/// Cameras that are triggered together differ by a hundredth of their step.
+std::optional<std::string> note_on_skew(const std::vector<double>& skews_s, double step_s) {
+  constexpr double kMuch = 0.15;  // of a step
+  if (skews_s.empty()) return std::nullopt;
+  const double skew_s = upper_median(skews_s);
+  if (std::abs(skew_s) <= kMuch * step_s) return std::nullopt;
+  return fmt::format(
+      "by the times in their names right images are {:+.0f} ms after the left ones they are paired with, of {:.0f} ms "
+      "from image to image: what moves is misplaced; if only the clocks differ, --pair-by order pairs the first with "
+      "the first",
+      1e3 * skew_s, 1e3 * step_s);
 }
 
 /// Two images are a pair when each is the nearest to the other.
 MatchedPairs match_times(const Paths& left, const Paths& right) {
   const TimedPaths lefts = in_order_of_time(left), rights = in_order_of_time(right);
-  const double most_s = patience_s(lefts.times_s);
-  return matched(lefts.paths, rights.paths, [&](std::size_t i) -> std::optional<std::size_t> {
+  const double step_s = usual_step_s(lefts.times_s);
+  std::vector<double> skews_s;
+  auto found = matched(lefts.paths, rights.paths, [&](std::size_t i) -> std::optional<std::size_t> {
     const std::size_t k = nearest(rights.times_s, lefts.times_s[i]);
-    if (nearest(lefts.times_s, rights.times_s[k]) != i || std::abs(rights.times_s[k] - lefts.times_s[i]) > most_s)
-      return std::nullopt;
+    const double skew_s = rights.times_s[k] - lefts.times_s[i];
+    // What is farther apart than half of a step belongs to the next one.
+    if (nearest(lefts.times_s, rights.times_s[k]) != i || std::abs(skew_s) > 0.5 * step_s) return std::nullopt;
+    skews_s.push_back(skew_s);
     return k;
   });
+  if (auto note = note_on_skew(skews_s, step_s)) found.notes.push_back(std::move(*note));
+  return found;
 }
 
 MatchedPairs match_order(const Paths& left, const Paths& right, const std::string& left_folder,

@@ -18,6 +18,7 @@ using flies::testing::TemporaryFolder;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 namespace fs = std::filesystem;
 
 /// Two sub-folders to fill.
@@ -150,6 +151,18 @@ TEST(MatchPairs, TellsWhenNumbersDifferInPairsThatAreTakenInOrder) {
   EXPECT_EQ(found.pairs.size(), 2U);
   EXPECT_THAT(found.notes, ElementsAre(AllOf(HasSubstr("in order"), HasSubstr("000.png with 500.png"))));
   EXPECT_TRUE(match_pairs(folders.left(), folders.right(), PairBy::order).notes.empty());
+}
+
+TEST(MatchPairs, TellsWhenTheTimesOfPairsAreFarApart) {
+  const auto notes_at = [](int skew_ms) {
+    const Folders folders;
+    for (int i = 1; i < 6; ++i)
+      folders.add(fmt::format("1698765432.{:03}.png", 100 * i), fmt::format("1698765432.{:03}.png", 100 * i + skew_ms));
+    return match_pairs(folders.left(), folders.right(), PairBy::automatic).notes;
+  };
+  EXPECT_THAT(notes_at(4), IsEmpty());
+  EXPECT_THAT(notes_at(30), ElementsAre(AllOf(HasSubstr("+30 ms after"), HasSubstr("of 100 ms"))));
+  EXPECT_THAT(notes_at(70), ElementsAre(HasSubstr("-30 ms after"))) << "the nearest is of the shot before";
 }
 
 TEST(MatchPairs, RefusesNamesThatAreNoTimesOrHaveNoPartner) {

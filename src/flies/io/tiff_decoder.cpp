@@ -177,4 +177,14 @@ cv::Mat decode_tiff(std::string_view bytes) {
   return source.has_bad_jpeg ? cv::Mat() : image;
 }
 
+bool has_second_tiff_image(std::string_view bytes) {
+  Source source{bytes};
+  const File file = open_file(source);
+  if (!file) return false;
+  const Layout first = layout_of(file.get());
+  if (TIFFReadDirectory(file.get()) == 0) return false;
+  const Layout second = layout_of(file.get());
+  return second.width == first.width && second.height == first.height;
+}
+
 }  // namespace flies::detail

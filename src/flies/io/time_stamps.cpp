@@ -23,6 +23,7 @@ struct Moment {
 };
 
 constexpr std::size_t kMaxBytes = 64u << 20;  // two million times
+constexpr double kMost_s = 1e11;              // since 1970: in the year 5138
 
 std::optional<Moment> parse_moment(const std::string& text) {
   int year = 0, month = 0, day = 0, hour = 0, minute = 0, end = -1;
@@ -39,10 +40,18 @@ std::optional<Moment> parse_moment(const std::string& text) {
   }
   char* rest = nullptr;
   const double seconds = std::strtod(text.c_str(), &rest);
-  constexpr double kMost_s = 1e15;  // still exact to a second as an integer
   if (text.empty() || *rest != '\0' || !(std::abs(seconds) < kMost_s)) return std::nullopt;
   const double whole = std::floor(seconds);
   return Moment{static_cast<std::int64_t>(whole), seconds - whole};
+}
+
+/// What a line that tells no moment should be.
+std::string expectation(const std::string& line) {
+  char* rest = nullptr;
+  const double number = std::strtod(line.c_str(), &rest);
+  if (*rest == '\0' && std::isfinite(number) && number >= kMost_s)
+    return "is it milliseconds (microseconds, nanoseconds) since 1970? expected seconds";
+  return "expected seconds or YYYY-MM-DD hh:mm:ss.fraction";
 }
 
 }  // namespace
@@ -60,8 +69,7 @@ std::vector<double> read_time_stamps(const std::string& path) {
     if (line.empty()) continue;
     const auto moment = parse_moment(line);
     if (!moment)
-      throw InputError(path, fmt::format("line {}", number),
-                       fmt::format("found '{}', expected seconds or YYYY-MM-DD hh:mm:ss.fraction", line));
+      throw InputError(path, fmt::format("line {}", number), fmt::format("found '{}', {}", line, expectation(line)));
     if (!first) first = moment;
     const double time_s =
         static_cast<double>(moment->whole_s - first->whole_s) + moment->fraction_s - first->fraction_s;

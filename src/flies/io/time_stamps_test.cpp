@@ -38,6 +38,14 @@ TEST(ReadTimeStamps, NamesTheLineAtFault) {
   EXPECT_THAT(fault("\n\n"), HasSubstr("no times"));
 }
 
+TEST(ReadTimeStamps, TellsThatUnitsAreNoSeconds) {
+  const TemporaryFolder folder;
+  for (const char* text : {"1698765432103\n", "1698765432103000\n", "1698765432103000000\n"})
+    EXPECT_THAT(error_of([&] { read_time_stamps(folder.write("t", text)); }),
+                AllOf(HasSubstr("line 1"), HasSubstr("since 1970? expected seconds")));
+  EXPECT_THAT(error_of([&] { read_time_stamps(folder.write("t", "inf\n")); }), HasSubstr("YYYY"));
+}
+
 TEST(ReadTimeStamps, BearsMarksBlanksAndComments) {
   const testing::TemporaryFolder folder;
   const auto file = folder.write("t.txt", "\xEF\xBB\xBF# seconds\r\n\r\n  1.5 \t\r\n2.5 # the second\r\n");

@@ -12,6 +12,7 @@ namespace {
 
 using flies::testing::body_from_left;
 using flies::testing::body_from_right;
+using flies::testing::error_of;
 using flies::testing::expect_rectifies;
 using flies::testing::kWritten_m;
 using flies::testing::list;
@@ -19,6 +20,7 @@ using flies::testing::right_from_left;
 using flies::testing::rows;
 using flies::testing::TemporaryFolder;
 using flies::testing::ToyRig;
+using ::testing::HasSubstr;
 
 TEST(Formats, DepthAiFollowsThePosesOfSockets) {
   const TemporaryFolder folder;
@@ -107,6 +109,25 @@ TEST(Formats, MatlabCountsFromOneAndMultipliesFromTheRight) {
     EXPECT_NEAR(calibration.camera.baseline_m, cv::norm(rig.t), kWritten_m);
     expect_rectifies(calibration, rig);
   }
+}
+
+TEST(Formats, MatlabMayLeaveTheSizeToTheImages) {
+  const TemporaryFolder folder;
+  const auto camera = [](const char* size) {
+    return fmt::format(R"({{"RadialDistortion": [0, 0], "TangentialDistortion": [0, 0], "ImageSize": {}, )"
+                       R"("K": [[420, 0, 320], [0, 420, 240], [0, 0, 1]]}})",
+                       size);
+  };
+  const auto text = [&](const char* size) {
+    return R"({"CameraParameters1": )" + camera(size) + R"(, "CameraParameters2": )" + camera(size) +
+           R"(, "PoseCamera2": {"R": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "Translation": [-120, 0, 0]}})";
+  };
+  CalibrationRequest request;
+  request.width_px = 640;
+  request.height_px = 480;
+  EXPECT_EQ(load_calibration(folder.write("c.json", text("[]")), request).camera.width_px, 640);
+  EXPECT_THAT(error_of([&] { load_calibration(folder.write("c.json", text("[480]")), request); }),
+              HasSubstr("ImageSize: found 1 number, expected 2"));
 }
 
 TEST(Formats, CityscapesSaysHowTheCameraStands) {

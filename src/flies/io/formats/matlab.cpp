@@ -70,6 +70,14 @@ Pose read_pose(const NumberTable& table, const std::string& prefix, std::vector<
   return pose_of(table, pose_key, notes);
 }
 
+/// Rows and columns; the list is empty where nobody gave it.
+ImageSize size_in_file(const NumberTable& table, const std::string& key) {
+  const auto entry = table.entries.find(key);
+  if (entry == table.entries.end() || (entry->second.numbers.empty() && entry->second.not_a_number.empty())) return {};
+  const auto rows_columns = size_of_list(table, key);
+  return {rows_columns.height_px, rows_columns.width_px};
+}
+
 Calibration read_matlab(const NumberTable& table, const CalibrationRequest& request) {
   const std::string prefix = prefix_of(table).value_or("");
   const std::string left = prefix + "CameraParameters1.", right = prefix + "CameraParameters2.";
@@ -77,12 +85,7 @@ Calibration read_matlab(const NumberTable& table, const CalibrationRequest& requ
   pair.stereo.left = read_camera(table, left);
   pair.stereo.right = read_camera(table, right);
   set_pose(pair.stereo, scaled(read_pose(table, prefix, pair.notes), metres_per_unit(table, prefix)));
-  ImageSize of_file;
-  if (const std::string key = left + "ImageSize"; table.has(key) && !table.require(key).empty()) {
-    const auto rows_columns = size_of_list(table, key);
-    of_file = {rows_columns.height_px, rows_columns.width_px};
-  }
-  const auto size = known_size(of_file, request, table.source);
+  const auto size = known_size(size_in_file(table, left + "ImageSize"), request, table.source);
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   return calibration_from_raw(std::move(pair), request, table.source);

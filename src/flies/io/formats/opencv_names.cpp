@@ -50,6 +50,8 @@ const Words kDistortion = {"d",
                            "distortionvector",
                            "discoeffs",
                            "disto"};
+/// Behind the name of a fisheye's distortion, as Stereolabs writes it: D_LEFT_FE.
+constexpr const char* kFisheye = "fe";
 const Words kProjection = {"p", "projection", "projectionmatrix", "proj", "projmatrix", "projmat"};
 const Words kRotation = {"r",      "rotation",  "rotationmatrix", "rot",         "rotmatrix",
                          "rmat",   "rmatrix",   "rvec",           "om",          "rotationvector",
@@ -88,17 +90,18 @@ class Keys {
         if (auto key = find(prefix + name); !key.empty()) return key;
     return "";
   }
-  std::string find_of_side(const Words& names, const std::string& side) const {
+  std::string find_of_side(const Words& names, const std::string& side, const std::string& ending) const {
     for (const auto& name : names)
-      for (const auto& plain : {name + side, side + name})
+      for (const auto& plain : {name + side + ending, side + name + ending})
         if (auto key = find(plain); !key.empty()) return key;
     return "";
   }
   /// Of both sides; when no pair of sides is there, of the first side that is.
-  Pair find_of_sides(const Words& names) const {
+  /// @param ending behind name and side
+  Pair find_of_sides(const Words& names, const std::string& ending = "") const {
     Pair one;
     for (const auto& [left, right] : kSides) {
-      const Pair found = {find_of_side(names, left), find_of_side(names, right)};
+      const Pair found = {find_of_side(names, left, ending), find_of_side(names, right, ending)};
       if (!found[0].empty() && !found[1].empty()) return found;
       if (one[0].empty() && one[1].empty()) one = found;
     }
@@ -127,7 +130,9 @@ OpenCvNames opencv_names(const NumberTable& table) {
   names.has_matrices = has_any(matrices);
   names.has_projections = has_any(projections);
   names.matrices = or_else(matrices, {"M1", "M2"});
-  names.distortions = or_else(keys.find_of_sides(kDistortion), {"D1", "D2"});
+  const Pair distortions = keys.find_of_sides(kDistortion), of_fisheyes = keys.find_of_sides(kDistortion, kFisheye);
+  names.are_fisheyes = !has_any(distortions) && has_any(of_fisheyes);
+  names.distortions = or_else(names.are_fisheyes ? of_fisheyes : distortions, {"D1", "D2"});
   names.projections = or_else(projections, {"P1", "P2"});
   names.mirrors = single.find_of_sides({"xi"});
   names.pose = keys.find_first({""}, kPose);

@@ -21,6 +21,7 @@ struct OpenCvNames {
 
   bool has_matrices = false;     ///< of one camera at least
   bool has_projections = false;  ///< likewise
+  bool are_fisheyes = false;     ///< as the names of the distortions say
   bool has_pose = false;         ///< rotation and translation, in one matrix or two
 };
 

@@ -17,6 +17,7 @@ using flies::testing::body_from_right;
 using flies::testing::error_of;
 using flies::testing::expect_rectifies;
 using flies::testing::focal_and_centre;
+using flies::testing::kWritten_m;
 using flies::testing::list;
 using flies::testing::numbers;
 using flies::testing::of_raw_images;
@@ -219,6 +220,34 @@ TEST(OpenCvNames, ThatPeopleGiveTheirMatricesAreKnown) {
     request.height_px = 480;
     expect_rectifies(load_calibration(folder.write("c", text), request), rig);
   }
+}
+
+// As zed-opencv-calibration of Stereolabs writes them, but for its millimetres.
+TEST(OpenCvNames, MaySayThatLensesAreFisheyes) {
+  const TemporaryFolder folder;
+  const ToyRig rig = ToyRig::fisheye();
+  const auto text = [&](const std::string& left, const std::string& right) {
+    return entry("Size", "[640, 480]") + entry("K_LEFT", rows(cv::Mat(rig.m1))) +
+           entry("K_RIGHT", rows(cv::Mat(rig.m2))) + entry(left, list(rig.d1)) + entry(right, list(rig.d2)) +
+           entry("R", rows(cv::Mat(rig.r))) + entry("T", list(numbers(cv::Mat(rig.t))));
+  };
+  expect_rectifies(load_calibration(folder.write("c", text("D_LEFT_FE", "D_RIGHT_FE"))), rig);
+  EXPECT_THAT(error_of([&] { load_calibration(folder.write("c", text("Dist_of_A", "Dist_of_B"))); }),
+              HasSubstr("Dist_of_A: found 4 numbers: are they coefficients of distortion?"));
+}
+
+TEST(OpenCvNames, CountedFromZeroAreNotThoseOfKitti) {
+  const TemporaryFolder folder;
+  const ToyRig rig;
+  const std::string raw = entry("K0", rows(cv::Mat(rig.m1))) + entry("D0", list(rig.d1)) +
+                          entry("K1", rows(cv::Mat(rig.m2))) + entry("D1", list(rig.d2)) +
+                          entry("R", rows(cv::Mat(rig.r))) + entry("T", list(numbers(cv::Mat(rig.t))));
+  const auto calibration = load_calibration(
+      folder.write("c", raw + "P0: [400, 0, 320, 0, 0, 400, 240, 0, 0, 0, 1, 0]\n"
+                              "P1: [400, 0, 320, -48, 0, 400, 240, 0, 0, 0, 1, 0]\nimage_size: [640, 480]\n"));
+  EXPECT_EQ(calibration.format, "OpenCV stereo");
+  EXPECT_EQ(calibration.camera.width_px, 640);
+  EXPECT_NEAR(calibration.camera.baseline_m, 0.12, kWritten_m);
 }
 
 TEST(OpenCvNames, MayStandBelowTheirCamera) {

@@ -219,6 +219,25 @@ ImageSize size_of_list(const NumberTable& table, const std::string& key) {
   return {pixels(size[0]), pixels(size[1])};
 }
 
+std::size_t size_of_images(const std::vector<ImageSize>& sizes, const CalibrationRequest& request,
+                           const std::string& source) {
+  std::optional<std::size_t> like;
+  std::string known;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const auto [width_px, height_px] = sizes[i];
+    const bool is_said = request.images_are_resized && width_px == request.calibrated_width_px &&
+                         height_px == request.calibrated_height_px;
+    if (request.width_px == 0 || is_said || (width_px == request.width_px && height_px == request.height_px)) return i;
+    if (!like && one_scale(width_px, height_px, request.width_px, request.height_px)) like = i;
+    known += fmt::format("{}{} x {}", known.empty() ? "" : ", ", width_px, height_px);
+  }
+  if (like) return *like;
+  throw InputError(source, "image size",
+                   fmt::format("{} x {} px is none of the modes of this file: {}; of images that were resized by other "
+                               "scales across and down, say which: --resized --calib-size W,H",
+                               request.width_px, request.height_px, known.empty() ? "none known" : known));
+}
+
 void check_same_size(ImageSize left, ImageSize right, const std::string& source, const std::string& key) {
   if (left.width_px == right.width_px && left.height_px == right.height_px) return;
   throw InputError(source, key,

@@ -54,6 +54,91 @@ TEST(Formats, ZedTakesTheModeOfTheImagesAndRectifies) {
               HasSubstr("none of the modes of this file: 672 x 376"));
 }
 
+/// As rs-enumerate-devices prints a stream, with its tabs.
+std::string realsense_stream(const std::string& name, cv::Size size, const cv::Matx33d& m, const std::string& model,
+                             const std::vector<double>& coefficients) {
+  return fmt::format(" Intrinsic of \"{}\"\t  / {}x{} / {{Y8}}\n  Width:     \t{}\n  Height:    \t{}\n", name,
+                     size.width, size.height, size.width, size.height) +
+         fmt::format("  PPX:        \t{}\n  PPY:        \t{}\n  Fx:         \t{}\n  Fy:         \t{}\n", m(0, 2),
+                     m(1, 2), m(0, 0), m(1, 1)) +
+         fmt::format("  Distortion: \t{}\n  Coeffs:     \t{}  \n  FOV (deg):  \t89.97 x 58.99\n\n", model,
+                     fmt::join(coefficients, "  \t"));
+}
+
+std::string realsense_pose(const std::string& from, const std::string& to, const cv::Matx33d& r, const cv::Vec3d& t) {
+  std::string text = fmt::format("Extrinsic from \"{}\"\t  To\t  \"{}\" :\n Rotation Matrix:\n", from, to);
+  for (int i = 0; i < 3; ++i) text += fmt::format("   {}        {}       {}    \n", r(i, 0), r(i, 1), r(i, 2));
+  return text + fmt::format("\n Translation Vector: {}  {}  {}  \n\n", t[0], t[1], t[2]);
+}
+
+TEST(Formats, RealSenseTakesTheSizeOfTheImages) {
+  const TemporaryFolder folder;
+  const std::vector<double> none(5, 0.0);
+  const auto streams = [&](cv::Size size, double focal_px) {
+    const cv::Matx33d m(focal_px, 0, size.width / 2 - 2.5, 0, focal_px, size.height / 2 + 1.25, 0, 0, 1);
+    return realsense_stream("Color", size, m * 1.5, "Inverse Brown Conrady", {0.1, 0.2, 0.0, 0.0, 0.1}) +
+           realsense_stream("Infrared 1", size, m, "Brown Conrady", none) +
+           realsense_stream("Infrared 2", size, m, "Brown Conrady", none);
+  };
+  const cv::Matx33d turned = cv::Matx33d::eye() * cv::Matx33d(1, 0, 0, 0, 0.8, -0.6, 0, 0.6, 0.8);
+  const std::string text = "Device info: \n    Name                          : \tIntel RealSense D435\n\n" +
+                           streams({848, 480}, 424.0) + streams({1280, 720}, 640.0) + streams({640, 480}, 384.0) +
+                           "Extrinsic Parameters:\n" +
+                           realsense_pose("Infrared 1", "Color", turned, {0.0148, 0.0, 0.0}) +
+                           realsense_pose("Infrared 1", "Infrared 2", cv::Matx33d::eye(), {-0.0501, 0, 0}) +
+                           realsense_pose("Infrared 2", "Infrared 1", cv::Matx33d::eye(), {0.0501, 0, 0});
+  const auto path = folder.write("calib.txt", text);
+  CalibrationRequest request;
+  request.width_px = 848;
+  request.height_px = 480;
+  const auto calibration = load_calibration(path, request);
+  EXPECT_EQ(calibration.format, "RealSense, rs-enumerate-devices -c");
+  EXPECT_FALSE(calibration.rectifier);
+  EXPECT_EQ(calibration.camera.fx_px, 424.0);
+  EXPECT_EQ(calibration.camera.cx_px, 421.5);
+  EXPECT_EQ(calibration.camera.cy_px, 241.25);
+  EXPECT_EQ(calibration.camera.width_px, 848);
+  EXPECT_DOUBLE_EQ(calibration.camera.baseline_m, 0.0501);
+  EXPECT_EQ(load_calibration(path).camera.width_px, 1280) << "the largest where no size is asked for";
+  request.width_px = 1000;
+  EXPECT_THAT(error_of([&] { load_calibration(path, request); }), HasSubstr("1280 x 720, 848 x 480, 640 x 480"));
+  request.width_px = 424;
+  request.height_px = 240;
+  EXPECT_NEAR(load_calibration(path, request).camera.fx_px, 212.0, 1e-9) << "half of 848 x 480";
+  // Printed once more all the same, but not of another camera.
+  EXPECT_EQ(load_calibration(folder.write("twice.txt", text + text)).camera.fx_px, 640.0);
+  EXPECT_THAT(error_of([&] {
+                load_calibration(folder.write("two.txt", text + streams({848, 480}, 430.0)));
+              }),
+              HasSubstr("stands in the file twice"));
+  EXPECT_THAT(error_of([&] {
+                load_calibration(
+                    folder.write("color.txt", realsense_stream("Color", {640, 480}, cv::Matx33d::eye(), "None", none)));
+              }),
+              HasSubstr("of a stereo camera"));
+}
+
+TEST(Formats, RealSenseFisheyesAreRectified) {
+  const TemporaryFolder folder;
+  ToyRig rig = ToyRig::fisheye();
+  const cv::Size size(640, 480);
+  std::vector<double> left = rig.d1, right = rig.d2;
+  left.push_back(0.0);
+  right.push_back(0.0);
+  const std::string streams = realsense_stream("Fisheye 1", size, rig.m1, "Kannala Brandt4", left) +
+                              realsense_stream("Fisheye 2", size, rig.m2, "Kannala Brandt4", right);
+  expect_rectifies(
+      load_calibration(folder.write("t265.txt", streams + realsense_pose("Fisheye 1", "Fisheye 2", rig.r, rig.t))),
+      rig);
+  // The other way round alone.
+  const cv::Matx33d back = rig.r.t();
+  expect_rectifies(load_calibration(folder.write(
+                       "back.txt", streams + realsense_pose("Fisheye 2", "Fisheye 1", back, -(back * rig.t)))),
+                   rig);
+  EXPECT_THAT(error_of([&] { load_calibration(folder.write("none.txt", streams)); }),
+              HasSubstr("Extrinsic from \"Fisheye 1\" To \"Fisheye 2\".Rotation Matrix"));
+}
+
 TEST(Formats, KittiRawBeforeRectification) {
   const TemporaryFolder folder;
   const ToyRig rig;

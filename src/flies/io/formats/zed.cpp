@@ -1,10 +1,8 @@
 // SN*.conf of the ZED cameras: https://www.stereolabs.com/docs/opencv/calibration; lengths in millimetres.
 #include <fmt/format.h>
 
-#include <optional>
+#include <vector>
 
-#include "flies/core/error.hpp"
-#include "flies/core/plausible.hpp"
 #include "flies/io/formats/pose_reading.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
@@ -26,25 +24,16 @@ bool has_mode(const NumberTable& table, const Mode& mode) {
   return table.has(fmt::format("LEFT_CAM_{}.fx", mode.name));
 }
 
-/// The mode of images of this size, or one that they were resized from: by one scale, or the one that the user says;
-/// the first of the file when no size is asked for.
+/// That of the images; see `size_of_images`.
 const Mode& mode_of(const NumberTable& table, const CalibrationRequest& request) {
-  const Mode* like = nullptr;
-  std::string known;
-  for (const Mode& mode : kModes) {
-    if (!has_mode(table, mode)) continue;
-    const bool is_said = request.images_are_resized && mode.width_px == request.calibrated_width_px &&
-                         mode.height_px == request.calibrated_height_px;
-    if (request.width_px == 0 || is_said || (mode.width_px == request.width_px && mode.height_px == request.height_px))
-      return mode;
-    if (like == nullptr && one_scale(mode.width_px, mode.height_px, request.width_px, request.height_px)) like = &mode;
-    known += fmt::format("{}{} x {}", known.empty() ? "" : ", ", mode.width_px, mode.height_px);
-  }
-  if (like != nullptr) return *like;
-  throw InputError(table.source, "image size",
-                   fmt::format("{} x {} px is none of the modes of this file: {}; of images that were resized by other "
-                               "scales across and down, say which: --resized --calib-size W,H",
-                               request.width_px, request.height_px, known.empty() ? "none known" : known));
+  std::vector<const Mode*> modes;
+  std::vector<ImageSize> sizes;
+  for (const Mode& mode : kModes)
+    if (has_mode(table, mode)) {
+      modes.push_back(&mode);
+      sizes.push_back({mode.width_px, mode.height_px});
+    }
+  return *modes[size_of_images(sizes, request, table.source)];
 }
 
 RawCamera read_camera(const NumberTable& table, const std::string& side, const Mode& mode) {

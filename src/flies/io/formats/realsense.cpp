@@ -1,0 +1,206 @@
+// What Intel's rs-enumerate-devices -c prints (librealsense, tools/enumerate-devices): stereo modules of the D400
+// series, rectified by the camera, and fisheyes of the T265; metres.
+#include "flies/io/formats/realsense.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "flies/core/error.hpp"
+#include "flies/io/formats/raw_pair.hpp"
+#include "flies/io/number_lines.hpp"
+
+namespace flies::detail {
+namespace {
+
+// Blocks by their first lines as the tool writes them, with single blanks.
+constexpr std::string_view kIntrinsic = "Intrinsic of \"", kExtrinsic = "Extrinsic from \"";
+
+/// Without blanks at its ends, and with single ones within.
+std::string squeezed(std::string_view line) {
+  std::string words;
+  for (const char c : line) {
+    if (std::isspace(static_cast<unsigned char>(c)) == 0)
+      words += c;
+    else if (!words.empty() && words.back() != ' ')
+      words += ' ';
+  }
+  if (!words.empty() && words.back() == ' ') words.pop_back();
+  return words;
+}
+
+/// What stands before the formats of pixels ("/ {Y8}") or the colon at the end.
+std::string title_of(const std::string& line) {
+  std::string title = line.substr(0, line.find(" / {"));
+  while (!title.empty() && (title.back() == ':' || title.back() == ' ')) title.pop_back();
+  return title;
+}
+
+using Block = std::map<std::string, NumberEntry, std::less<>>;
+
+void add_block(const std::string& title, const Block& block, NumberTable& table) {
+  for (const auto& [name, entry] : block) {
+    const auto [at, is_new] = table.entries.emplace(title + "." + name, entry);
+    if (!is_new && at->second.numbers != entry.numbers)
+      throw InputError(table.source, title, "stands in the file twice: keep the part of one camera");
+  }
+}
+
+struct StreamNames {
+  const char *left, *right;
+};
+constexpr StreamNames kStreams[] = {{"Infrared 1", "Infrared 2"}, {"Fisheye 1", "Fisheye 2"}};
+
+std::string intrinsic_of(const char* stream, ImageSize size) {
+  return fmt::format("{}{}\" / {}x{}", kIntrinsic, stream, size.width_px, size.height_px);
+}
+
+std::string extrinsic_of(const char* from, const char* to) {
+  return fmt::format("{}{}\" To \"{}\"", kExtrinsic, from, to);
+}
+
+/// Sizes for which the file has both cameras, the largest first.
+std::vector<ImageSize> sizes_of(const NumberTable& table, const StreamNames& streams) {
+  const std::string start = fmt::format("{}{}\" / ", kIntrinsic, streams.left), end = ".Fx";
+  std::vector<ImageSize> sizes;
+  for (auto at = table.entries.lower_bound(start); at != table.entries.end() && at->first.starts_with(start); ++at) {
+    if (!at->first.ends_with(end)) continue;
+    const std::string title = at->first.substr(0, at->first.size() - end.size());
+    const ImageSize size{table.require_size(title + ".Width"), table.require_size(title + ".Height")};
+    if (table.has(intrinsic_of(streams.right, size) + end)) sizes.push_back(size);
+  }
+  std::ranges::sort(sizes, std::greater<>(), [](ImageSize s) { return std::pair(s.width_px, s.height_px); });
+  return sizes;
+}
+
+RawCamera camera_of(const NumberTable& table, const std::string& title) {
+  const auto number = [&](const char* name) { return table.require_number(title + name); };
+  RawCamera camera;
+  camera.matrix = camera_matrix(number(".Fx"), number(".Fy"), number(".PPX"), number(".PPY"));
+  constexpr std::size_t kCoefficients = 5, kOfFisheye = 4;
+  camera.distortion = table.require(title + ".Coeffs", kCoefficients);
+  const std::string model = table.word(title + ".Distortion");
+  const bool is_bent = std::ranges::any_of(camera.distortion, [](double c) { return c != 0.0; });
+  if (model.starts_with("kannala")) {
+    camera.lens = Lens::equidistant;
+    camera.distortion.resize(kOfFisheye);
+  } else if (is_bent && model != "brown conrady") {
+    throw InputError(table.source, title + ".Distortion",
+                     fmt::format("found '{}', expected Brown Conrady, Kannala Brandt4, or coefficients of 0", model));
+  }
+  return camera;
+}
+
+Pose pose_between(const NumberTable& table, const StreamNames& streams) {
+  const auto read = [&](const std::string& title) {
+    Pose pose{matrix_of(table, title + ".Rotation Matrix"), {}};
+    std::ranges::copy(table.require(title + ".Translation Vector", 3), pose.translation.begin());
+    return pose;
+  };
+  const std::string back = extrinsic_of(streams.right, streams.left);
+  return table.has(back + ".Translation Vector") &&
+                 !table.has(extrinsic_of(streams.left, streams.right) + ".Translation Vector")
+             ? inverse(read(back))
+             : read(extrinsic_of(streams.left, streams.right));
+}
+
+/// Whether the camera rectifies the images itself, as those of the D400 series do.
+bool is_rectified(const RawStereo& raw) {
+  constexpr double kRounding = 1e-5;
+  const auto is_straight = [](const RawCamera& camera) {
+    return camera.lens == Lens::brown && std::ranges::all_of(camera.distortion, [](double c) { return c == 0.0; });
+  };
+  const Pose none;
+  bool is_level = std::abs(raw.translation_m[1]) < kRounding && std::abs(raw.translation_m[2]) < kRounding;
+  for (std::size_t i = 0; i < none.rotation.size(); ++i)
+    is_level = is_level && std::abs(raw.rotation[i] - none.rotation[i]) < kRounding;
+  const auto &left = raw.left.matrix, &right = raw.right.matrix;
+  return is_level && is_straight(raw.left) && is_straight(raw.right) && left[0] == right[0] && left[4] == right[4] &&
+         left[5] == right[5];
+}
+
+Calibration read_realsense(const NumberTable& table, const CalibrationRequest& request) {
+  const bool is_fisheye = sizes_of(table, kStreams[0]).empty() && !sizes_of(table, kStreams[1]).empty();
+  const StreamNames& streams = kStreams[is_fisheye ? 1 : 0];
+  const auto sizes = sizes_of(table, streams);
+  if (sizes.empty())
+    throw InputError(table.source, "Infrared 1, Infrared 2",
+                     "no size has intrinsics of both: print them with rs-enumerate-devices -c, of a stereo camera");
+  const ImageSize size = sizes[size_of_images(sizes, request, table.source)];
+  const std::string left = intrinsic_of(streams.left, size), right = intrinsic_of(streams.right, size);
+  RawPair pair{{size.width_px, size.height_px, camera_of(table, left), camera_of(table, right)},
+               left,
+               right,
+               extrinsic_of(streams.left, streams.right)};
+  set_pose(pair.stereo, pose_between(table, streams));
+  if (request.width_px == 0 && sizes.size() > 1)
+    pair.notes.push_back(fmt::format("of {} sizes in the file the largest was taken, {} x {} px", sizes.size(),
+                                     size.width_px, size.height_px));
+  if (!is_rectified(pair.stereo)) return calibration_from_raw(std::move(pair), request, table.source);
+  Calibration calibration;
+  calibration.notes = std::move(pair.notes);
+  calibration.left_name = left;
+  calibration.right_name = right;
+  auto& camera = calibration.camera;
+  const auto& matrix = pair.stereo.left.matrix;
+  camera.fx_px = matrix[0];
+  camera.fy_px = matrix[4];
+  camera.cx_px = matrix[2];
+  camera.cx_right_px = pair.stereo.right.matrix[2];
+  camera.cy_px = matrix[5];
+  camera.baseline_m = -pair.stereo.translation_m[0];
+  camera.width_px = size.width_px;
+  camera.height_px = size.height_px;
+  return calibration;
+}
+
+}  // namespace
+
+bool parse_realsense(const std::string& text, NumberTable& table) {
+  std::istringstream stream(text);
+  std::string title, key;
+  Block block;
+  bool is_known = false;
+  for (std::string raw; std::getline(stream, raw);) {
+    const std::string line = squeezed(raw);
+    if (line.empty()) continue;
+    if (line.starts_with(kIntrinsic) || line.starts_with(kExtrinsic)) {
+      add_block(title, block, table);
+      block.clear();
+      title = title_of(line);
+      key.clear();
+      is_known = true;
+    } else if (const auto colon = line.find(':'); colon != std::string::npos) {
+      key = line.substr(0, colon);
+      NumberEntry entry;
+      const std::string value = squeezed(line.substr(colon + 1));
+      if (key == "Distortion")
+        entry.not_a_number = value;
+      else
+        append_words(entry, value);
+      if (!title.empty()) block[key] = std::move(entry);
+    } else if (key == "Rotation Matrix" && !title.empty()) {
+      append_words(block[key], line);
+    }
+  }
+  add_block(title, block, table);
+  return is_known;
+}
+
+const CalibrationFormat kRealSense{"RealSense, rs-enumerate-devices -c", false, false,
+                                   [](const NumberTable& table) {
+                                     const auto first = table.entries.lower_bound(kIntrinsic);
+                                     return first != table.entries.end() && first->first.starts_with(kIntrinsic);
+                                   },
+                                   read_realsense};
+
+}  // namespace flies::detail
