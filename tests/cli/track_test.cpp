@@ -25,6 +25,7 @@ namespace flies::testing {
 namespace {
 
 using nlohmann::json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using Words = std::vector<std::string>;
 
@@ -65,6 +66,30 @@ TEST_F(TrackCommand, WritesALineAPairWithTimeEgoAndTracks) {
     EXPECT_TRUE(track.at("class") == "person" || track.at("class") == "other");
     EXPECT_TRUE(track.at("box").at("u_px").is_number());
   }
+}
+
+TEST_F(TrackCommand, APairThatCannotBeUsedCostsNoOther) {
+  for (const char* name : {"0.png", "1.png"}) {
+    write_text(folder.path() / "right" / name, "damaged");
+    const RunResult result = run({"--calib", "calib.txt", "--rate", "20", "--json", "-"});
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(lines(result.err).back(), AllOf(HasSubstr("of 3 pairs: could not be used, the others were"),
+                                                HasSubstr("right/0.png: is not an image")));
+    const auto text = lines(result.out);
+    ASSERT_EQ(text.size(), 3U);
+    const json first = json::parse(text.front()), last = json::parse(text.back());
+    EXPECT_THAT(first.at("error").get<std::string>(), HasSubstr("right/0.png"));
+    EXPECT_TRUE(first.at("tracks").empty());
+    EXPECT_FALSE(first.contains("stage_ms"));
+    EXPECT_FALSE(first.contains("road"));
+    EXPECT_FALSE(last.contains("error"));
+    EXPECT_FALSE(last.at("obstacles").empty());
+    EXPECT_NEAR(last.at("time_s").get<double>(), 0.1, 1e-9);
+  }
+  write_text(folder.path() / "left" / "2.png", "damaged");
+  const RunResult none = run({"--calib", "calib.txt", "--rate", "20", "--json", "-"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_TRUE(none.out.empty());
 }
 
 TEST_F(TrackCommand, TakesTimesFromAFile) {

@@ -111,6 +111,49 @@ class TrackFilm {
   flies::TrackView view_;
 };
 
+/// Where a run writes to.
+class TrackOutputFiles {
+ public:
+  TrackOutputFiles(const TrackArguments& arguments, const std::vector<double>& times_s) {
+    if (!arguments.video.empty()) film_.emplace(arguments.video, times_s);
+    if (!arguments.json.empty()) json_.emplace(arguments.json);
+    if (!arguments.kitti.empty()) kitti_.emplace(arguments.kitti);
+    leave_the_terminal_ = arguments.json.empty() ? film_ && !kitti_ : arguments.json != "-";
+  }
+
+  /// Whether lines on standard error disturb nothing.
+  bool leave_the_terminal() const { return leave_the_terminal_; }
+
+  void write(const TrackedFrame& frame, const flies::RectifiedPair& pair) {
+    if (json_) json_->write(track_json_line(frame));
+    if (kitti_) kitti_->write(kitti_tracking_lines(frame));
+    if (film_) film_->add(pair, frame);
+    if (!json_ && !kitti_ && !film_) print(track_table(frame));
+  }
+  /// Of a pair that could not be used: its line says why.
+  void write_error(const TrackedFrame& frame, const std::string& error) {
+    if (json_) json_->write(track_json_line(frame, error));
+  }
+  void commit() {
+    if (film_) film_->commit();
+  }
+
+ private:
+  std::optional<LineFile> json_, kitti_;
+  std::optional<TrackFilm> film_;
+  bool leave_the_terminal_ = false;
+};
+
+/// A pair as the tracker wants it. @throws flies::InputError when it cannot be
+flies::GrayPair usable_pair(const SequenceSource& source, std::size_t i, const flies::Calibration& calibration,
+                            const RunDiagnosis& run) {
+  flies::GrayPair images = source.load(i);
+  if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+  run.correct(images);
+  flies::check_camera_fits(calibration.camera, images.left.width_px, images.left.height_px, source.pairs[i].left);
+  return images;
+}
+
 void run_track(TrackArguments arguments) {
   check_outputs(arguments);
   const flies::DetectorOptions unfitted = effective_options(arguments.method);
@@ -129,69 +172,73 @@ void run_track(TrackArguments arguments) {
     cv::setNumThreads(unfitted.threads);
   }
 
-  std::optional<flies::Calibration> calibration;
-  std::optional<flies::Tracker> tracker;
-  RunDiagnosis run;
-  flies::PairWatch watch;
-  std::shared_ptr<const flies::RunRecord> run_of;
-  std::optional<LineFile> json, kitti;
-  std::optional<TrackFilm> film;
-  if (!arguments.video.empty()) film.emplace(arguments.video, source.times_s);
-  const bool has_lines = !arguments.json.empty() || !arguments.kitti.empty();
-  StatusLine status((!arguments.json.empty() && arguments.json != "-") || (film && !has_lines));
-  for (std::size_t i = 0; i < source.pairs.size(); ++i) {
-    const auto& [left_path, right_path] = source.pairs[i];
-    flies::GrayPair images = source.load(i);
-    if (i == 0 && !source.recording)
-      if (const auto note = orientation_note(source.pairs[i])) say_notes({*note});
-    if (i == 0)
-      calibration = source.recording && arguments.sequence.calib.empty()
-                        ? source.recording->calibration(arguments.camera)
-                        : flies::load_calibration(source.calib, calibration_request(arguments.camera, left_path,
-                                                                                    right_path, images.view()));
-    if (calibration->rectifier) images = calibration->rectifier->rectify(images);
-    if (i == 0)
-      run = diagnose(
-          source.pairs.size(), [&](std::size_t k) { return source.load(k); }, *calibration, arguments.corrections);
-    run.correct(images);
-    const flies::RectifiedPair pair = images.view();
-    flies::check_camera_fits(calibration->camera, pair.left.width_px, pair.left.height_px,
-                             i == 0 ? source.calib : left_path);
-    if (i == 0) {
-      calibration->camera.width_px = pair.left.width_px;
-      calibration->camera.height_px = pair.left.height_px;
-      const auto options = effective_options(arguments.method, calibration->camera);
-      tracker.emplace(calibration->camera, options, following, classifier);
-      run_of = run_record(arguments.method, options, calibration->camera, source.calib);
-      auto notes = source.notes;
-      for (const auto& note : calibration->notes) notes.push_back(source.calib + ": " + note);
-      for (const auto& note : run.notes) notes.push_back(left_path + ": " + note);
-      say_notes(notes);
-      say_run(*run_of);
-      flies::check_true_pair(pair, calibration->camera, left_path, right_path);
-      if (!arguments.json.empty()) json.emplace(arguments.json);
-      if (!arguments.kitti.empty()) kitti.emplace(arguments.kitti);
-    }
-    say_notes(watch.look(pair, calibration->camera, left_path));
+  auto [first, images] = first_readable(source.pairs.size(), [&](std::size_t i) { return source.load(i); });
+  const auto& [first_left, first_right] = source.pairs[first];
+  if (!source.recording)
+    if (const auto note = orientation_note(source.pairs[first])) say_notes({*note});
+  flies::Calibration calibration =
+      source.recording && arguments.sequence.calib.empty()
+          ? source.recording->calibration(arguments.camera)
+          : flies::load_calibration(source.calib,
+                                    calibration_request(arguments.camera, first_left, first_right, images.view()));
+  if (calibration.rectifier) images = calibration.rectifier->rectify(images);
+  const int width_px = images.left.width_px, height_px = images.left.height_px;
+  flies::check_camera_fits(calibration.camera, width_px, height_px, source.calib);
+  calibration.camera.width_px = width_px;
+  calibration.camera.height_px = height_px;
+  const RunDiagnosis run = diagnose(
+      source.pairs.size(), [&](std::size_t i) { return source.load(i); }, calibration, arguments.corrections);
+  run.correct(images);
+  const auto options = effective_options(arguments.method, calibration.camera);
+  flies::Tracker tracker(calibration.camera, options, following, classifier);
+  const auto run_of = run_record(arguments.method, options, calibration.camera, source.calib);
+  auto notes = source.notes;
+  for (const auto& note : calibration.notes) notes.push_back(source.calib + ": " + note);
+  for (const auto& note : run.notes) notes.push_back(first_left + ": " + note);
+  say_notes(notes);
+  say_run(*run_of);
+  flies::check_true_pair(images.view(), calibration.camera, first_left, first_right);
 
-    const auto start = std::chrono::steady_clock::now();
-    const TrackedFrame frame{.frame = static_cast<int>(i),
-                             .left = left_path,
-                             .right = right_path,
-                             .seed = unfitted.seed,
-                             .preset = preset_name(unfitted),
-                             .camera = calibration->camera,
-                             .tracking = tracker->process(pair, source.times_s[i]),
-                             .run = run_of};
-    const std::chrono::duration<double, std::milli> latency = std::chrono::steady_clock::now() - start;
-    if (json) json->write(track_json_line(frame));
-    if (kitti) kitti->write(kitti_tracking_lines(frame));
-    if (film) film->add(pair, frame);
-    if (!json && !kitti && !film) print(track_table(frame));
-    status.show(latency.count());
+  TrackOutputFiles outputs(arguments, source.times_s);
+  StatusLine status(outputs.leave_the_terminal());
+  flies::PairWatch watch;
+  std::vector<std::string> faults;
+  for (std::size_t i = 0; i < source.pairs.size(); ++i) {
+    TrackedFrame frame{.frame = static_cast<int>(i),
+                       .left = source.pairs[i].left,
+                       .right = source.pairs[i].right,
+                       .seed = unfitted.seed,
+                       .preset = preset_name(unfitted),
+                       .camera = calibration.camera,
+                       .tracking = {},
+                       .run = run_of};
+    std::string fault;
+    std::chrono::duration<double, std::milli> latency{};
+    try {
+      images = usable_pair(source, i, calibration, run);
+      say_notes(watch.look(images.view(), calibration.camera, frame.left));
+      const auto start = std::chrono::steady_clock::now();
+      frame.tracking = tracker.process(images.view(), source.times_s[i]);
+      latency = std::chrono::steady_clock::now() - start;
+    } catch (const flies::InputError& error) {  // costs this pair, not the others
+      if (source.pairs.size() == 1) throw;
+      fault = error.what();
+    }
+    if (fault.empty()) {
+      outputs.write(frame, images.view());
+      status.show(latency.count());
+    } else {
+      faults.push_back(fault);
+      frame.tracking.time_s = source.times_s[i];
+      outputs.write_error(frame, fault);
+    }
   }
-  if (film) film->commit();
+  outputs.commit();
   say_notes(watch.counts());
+  if (!faults.empty())
+    throw flies::InputError(arguments.sequence.sources.front(),
+                            fmt::format("{} of {} pairs", faults.size(), source.pairs.size()),
+                            "could not be used, the others were; the first: " + faults.front());
 }
 
 }  // namespace
@@ -238,7 +285,8 @@ void setup_track(CLI::App& app) {
   command->footer(
       "\nVelocities are over ground, in the axes of the vehicle at that time (x forward, y left). Lines are\n"
       "written whole and at once, so that a pipe or `tail -f` sees each pair when it is done. Without outputs\n"
-      "a table is printed. docs/dynamic.md says how it works and how well.\n"
+      "a table is printed. docs/dynamic.md says how it works and how well. A pair that cannot be used gets a\n"
+      "line in --json with its error, and the run ends with status 2 after the others.\n"
       "\nExamples:\n"
       "  flies track 2011_09_26/2011_09_26_drive_0005_sync\n"
       "  flies track left right --calib calib.yaml --rate 15 --json - | tee tracks.jsonl\n"

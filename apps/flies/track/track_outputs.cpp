@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "flies/core/options.hpp"
+#include "flies/io/json_values.hpp"
 #include "flies/io/kitti_place.hpp"
 #include "flies/io/writers.hpp"
 
@@ -13,26 +14,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Metres, metres a second, seconds, probabilities: three decimals; adding 0 turns -0 into 0.
-Json rounded(double value, double scale = 1e3) {
-  return std::isfinite(value) ? Json(std::round(value * scale) / scale + 0.0) : Json(nullptr);
-}
-
-Json box_of(const flies::ImageBox& box) {
-  return {{"u_px", rounded(box.u_px, 1e2)},
-          {"v_px", rounded(box.v_px, 1e2)},
-          {"width_px", rounded(box.width_px, 1e2)},
-          {"height_px", rounded(box.height_px, 1e2)}};
-}
+/// Metres, metres a second, seconds, milliseconds, probabilities.
+Json rounded(double value, int decimals = 3) { return flies::rounded(value, decimals); }
 
 Json ego_of(const flies::EgoMotion& ego) {
   return {{"is_known", ego.is_known},
           {"vx_mps", rounded(ego.vx_mps)},
           {"vy_mps", rounded(ego.vy_mps)},
-          {"yaw_rate_rps", rounded(ego.yaw_rate_rps, 1e5)},
+          {"yaw_rate_rps", rounded(ego.yaw_rate_rps, 5)},
           {"vx_sd_mps", rounded(std::sqrt(ego.covariance[0][0]))},
           {"vy_sd_mps", rounded(std::sqrt(ego.covariance[1][1]))},
-          {"yaw_rate_sd_rps", rounded(std::sqrt(ego.covariance[2][2]), 1e5)},
+          {"yaw_rate_sd_rps", rounded(std::sqrt(ego.covariance[2][2]), 5)},
           {"followed", ego.followed},
           {"agreeing", ego.agreeing}};
 }
@@ -66,12 +58,12 @@ Json track_of(const flies::Track& t, const flies::EgoMotion& ego) {
           {"height_m", rounded(t.height_m)},
           {"age_s", rounded(t.age_s)},
           {"unseen_s", rounded(t.unseen_s)},
-          {"box", box_of(t.box)}};
+          {"box", flies::box_json(t.box)}};
 }
 
 }  // namespace
 
-std::string track_json_line(const TrackedFrame& frame) {
+std::string track_json_line(const TrackedFrame& frame, const std::string& error) {
   const auto& tracking = frame.tracking;
   const flies::FrameRecord record{.frame = frame.frame,
                                   .left = frame.left,
@@ -83,16 +75,19 @@ std::string track_json_line(const TrackedFrame& frame) {
                                   .scan = tracking.detection.scan,
                                   .stage_ms = tracking.detection.stage_ms,
                                   .run = frame.run,
-                                  .road = tracking.detection.road.plane,
-                                  .road_found = tracking.detection.road.found};
+                                  .road = error.empty() ? std::optional(tracking.detection.road.plane) : std::nullopt,
+                                  .road_found = tracking.detection.road.found,
+                                  .error = error};
   Json object = Json::parse(flies::json_line(record));
-  object["time_s"] = rounded(tracking.time_s, 1e6);
+  object["time_s"] = rounded(tracking.time_s, 6);
   object["ego"] = ego_of(tracking.ego);
   Json tracks = Json::array();
   for (const auto& track : tracking.tracks) tracks.push_back(track_of(track, tracking.ego));
   object["tracks"] = tracks;
-  object["stage_ms"]["ego"] = rounded(tracking.ego_ms);
-  object["stage_ms"]["track"] = rounded(tracking.track_ms);
+  if (error.empty()) {
+    object["stage_ms"]["ego"] = rounded(tracking.ego_ms);
+    object["stage_ms"]["track"] = rounded(tracking.track_ms);
+  }
   if (frame.live)
     object["live"] = {{"latency_ms", rounded(frame.live->latency_ms)},
                       {"skew_ms", rounded(frame.live->skew_ms)},

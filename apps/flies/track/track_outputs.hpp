@@ -30,7 +30,8 @@ struct TrackedFrame {
 
 /// The line of `flies detect` with `time_s`, `ego`, `tracks` and, of a living source, `live` added; docs/formats.md
 /// holds the schema.
-std::string track_json_line(const TrackedFrame& frame);
+/// @param error why the pair could not be used: the line then says so and holds nothing else but what it is of
+std::string track_json_line(const TrackedFrame& frame, const std::string& error = {});
 
 /// KITTI's tracking format, a line a track.
 std::string kitti_tracking_lines(const TrackedFrame& frame);

@@ -15,7 +15,9 @@ void project_samples(const std::vector<ViewAngle>& views, const Projection& proj
   points.clear();
   for (const auto& view : views)
     for (const auto& sample : view.samples) {
-      const auto image = projection.project({sample.x_m, sample.y_m, road.z_m(sample.x_m, sample.y_m)});
+      const Point3 foot{sample.x_m, sample.y_m, road.z_m(sample.x_m, sample.y_m)};
+      if (!(projection.depth_m(foot) > 0.0)) continue;
+      const auto image = projection.project(foot);
       points.push_back({.start = {image.u_px, image.v_px}, .end = {}});
     }
 }

@@ -81,8 +81,9 @@ double lateral_gap_m(const Extent& a, const Extent& b) {
 double separation_of_neighbours(const Part& a, const Part& b, const Sightings& flies, const AssembleOptions& options) {
   const Extent &ea = a.extent, &eb = b.extent;
   const double near_m = std::min(ea.near_m, eb.near_m), far_m = std::max(ea.far_m, eb.far_m);
-  const double depth = gap(ea.near_m, ea.far_m, eb.near_m, eb.far_m) / (options.depth_gap_share * near_m);
-  const double lateral = lateral_gap_m(ea, eb) / options.lateral_gap_m;
+  const auto share_of = [](double gap_m, double most_m) { return gap_m > 0.0 ? gap_m / most_m : 0.0; };
+  const double depth = share_of(gap(ea.near_m, ea.far_m, eb.near_m, eb.far_m), options.depth_gap_share * near_m);
+  const double lateral = share_of(lateral_gap_m(ea, eb), options.lateral_gap_m);
   if (!(depth <= 1.0 && lateral <= 1.0)) return kApart;
 
   const double width_m = near_m * (std::max(ea.left_rad, eb.left_rad) - std::min(ea.right_rad, eb.right_rad));

@@ -131,7 +131,8 @@ void join_all(std::vector<Thing>& things, const Surfaces& surfaces, const WholeO
       }
       join(things[i], things[j]);
       things.erase(things.begin() + static_cast<std::ptrdiff_t>(j));
-      j = i + 1;  // the larger thing may reach others
+      i = 0;  // the larger thing may reach others, also those before it
+      j = 1;
     }
 }
 
@@ -172,11 +173,13 @@ std::vector<Thing> unclaimed(const std::vector<Thing>& things, const Surfaces& s
 }
 
 /// How far the surface of a thing reaches behind its nearest point, along the line of sight to its middle, metres.
-double depth_m(const Thing& thing, const Surfaces& surfaces, double middle_rad) {
+/// Between its first and last sector others may stand before or behind it.
+double depth_m(const Thing& thing, const Surfaces& surfaces, double middle_rad, const WholeOptions& options) {
   if (thing.first < 0) return 0.0;
+  const double nearest_m = thing.near_m - same_range_m(thing.near_m), farthest_m = thing.near_m + options.depth_m;
   double near_m = std::numeric_limits<double>::infinity(), far_m = 0.0;
   for (int i = thing.first; i <= thing.last; ++i) {
-    if (!surfaces.is_obstacle(i)) continue;
+    if (!surfaces.is_obstacle(i) || surfaces.range_m(i) < nearest_m || surfaces.range_m(i) > farthest_m) continue;
     const double along_m = surfaces.range_m(i) * std::cos(surfaces.middle_rad(i) - middle_rad);
     near_m = std::min(near_m, along_m);
     far_m = std::max(far_m, along_m);
@@ -184,7 +187,8 @@ double depth_m(const Thing& thing, const Surfaces& surfaces, double middle_rad) 
   return std::max(0.0, far_m - near_m);
 }
 
-Obstacle finish(const Thing& thing, const Surfaces& surfaces, const Projection& projection, const RoadPlane& road) {
+Obstacle finish(const Thing& thing, const Surfaces& surfaces, const Projection& projection, const RoadPlane& road,
+                const WholeOptions& options) {
   Obstacle obstacle = thing.obstacle;
   const double middle_rad = 0.5 * (thing.right_rad + thing.left_rad);
   obstacle.range_m = thing.near_m;
@@ -192,7 +196,7 @@ Obstacle finish(const Thing& thing, const Surfaces& surfaces, const Projection& 
   obstacle.y_m = thing.near_m * std::sin(thing.near_rad);
   obstacle.width_m = thing.width_m();
   obstacle.middle_offset_m = thing.near_m * (middle_rad - thing.near_rad);
-  obstacle.depth_m = depth_m(thing, surfaces, middle_rad);
+  obstacle.depth_m = depth_m(thing, surfaces, middle_rad, options);
   obstacle.ground_z_m = road.z_m(obstacle.x_m, obstacle.y_m);
   obstacle.box = board_box({thing.near_m, thing.right_rad, thing.left_rad, obstacle.height_m}, projection, road);
   return obstacle;
@@ -218,7 +222,7 @@ std::vector<Obstacle> whole_obstacles(std::span<const Obstacle> obstacles, const
   things.insert(things.end(), added.begin(), added.end());
   std::vector<Obstacle> whole;
   whole.reserve(things.size());
-  for (const auto& thing : things) whole.push_back(finish(thing, surfaces, projection, road));
+  for (const auto& thing : things) whole.push_back(finish(thing, surfaces, projection, road, options));
   std::stable_sort(whole.begin(), whole.end(), [](const auto& a, const auto& b) { return a.range_m < b.range_m; });
   return whole;
 }

@@ -107,7 +107,8 @@ struct EgoEstimator::Memory {
   CameraPlace place;
   ego::PreparedPair before;
   ego::CameraMotion motion;  ///< the last one, a guess for the next
-  double time_s = 0.0, last_dt_s = 0.0;
+  double motion_dt_s = 0.0;  ///< the time that it took; 0: none is known
+  double time_s = 0.0;
   std::uint32_t frame = 0;
 
   Memory(const StereoCamera& c, const EgoOptions& o) : camera(c), projection(c), options(o), place(c, projection) {}
@@ -127,13 +128,14 @@ EgoMotion EgoEstimator::Memory::estimate(const ego::PreparedPair& now, double dt
   std::erase_if(before.corners, [&](const ego::StereoCorner& corner) {
     return corner.disparity_px < projection.disparity_offset_px() + kMinDisparity_px;
   });
+  const auto likely = motion_dt_s > 0.0 ? ego::scaled(motion, dt_s / motion_dt_s) : motion;
   std::vector<ego::FollowedCorner> corners;
   std::vector<cv::Point2f> guess_px;
   for (const auto& corner : before.corners) {
     const double z = projection.depth_at_disparity(corner.disparity_px);
     const cv::Vec3d point((corner.left_px.x - camera.cx_px) / camera.fx_px * z,
                           (corner.left_px.y - camera.cy_px) / camera.fy_px * z, z);
-    const cv::Vec3d guess = motion.rotation * point + motion.shift_m;
+    const cv::Vec3d guess = likely.rotation * point + likely.shift_m;
     corners.push_back({point, {}});
     guess_px.push_back(guess[2] > 0.5
                            ? cv::Point2f(static_cast<float>(camera.cx_px + camera.fx_px * guess[0] / guess[2]),
@@ -148,7 +150,7 @@ EgoMotion EgoEstimator::Memory::estimate(const ego::PreparedPair& now, double dt
   }
   corners.resize(kept);
   lost.followed = static_cast<int>(kept);
-  const auto pose = ego::solve_pose(corners, pinhole, motion, options, frame);
+  const auto pose = ego::solve_pose(corners, pinhole, likely, options, frame);
   if (!pose) return lost;
   lost.agreeing = pose->agreeing;
   if (pose->agreeing < options.min_agreeing ||
@@ -158,6 +160,7 @@ EgoMotion EgoEstimator::Memory::estimate(const ego::PreparedPair& now, double dt
   known.followed = lost.followed;
   known.corners = moved(now, corners, known);
   motion = pose->motion;
+  motion_dt_s = dt_s;
   return known;
 }
 
@@ -229,6 +232,7 @@ void EgoEstimator::skip(const RectifiedPair& pair, double time_s) {
   check(pair, time_s);
   memory_->before = {};
   memory_->motion = {};
+  memory_->motion_dt_s = 0.0;
   memory_->time_s = time_s;
   ++memory_->frame;
 }
@@ -240,7 +244,10 @@ EgoMotion EgoEstimator::follow(const RectifiedPair& given, double time_s) {
   const double dt_s = is_first ? 0.0 : time_s - memory_->time_s;
   auto now = ego::prepare(pair, memory_->projection.disparity_offset_px(), memory_->options);
   EgoMotion ego = is_first ? EgoMotion{} : memory_->estimate(now, dt_s);
-  if (!ego.is_known) memory_->motion = {};
+  if (!ego.is_known) {
+    memory_->motion = {};
+    memory_->motion_dt_s = 0.0;
+  }
   memory_->before = std::move(now);
   memory_->time_s = time_s;
   ++memory_->frame;

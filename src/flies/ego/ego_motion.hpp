@@ -43,7 +43,7 @@ struct EgoOptions {
 struct CornerMotion {
   double u_px = 0.0, v_px = 0.0;      ///< in the left image now
   double x_m = 0.0, y_m = 0.0;        ///< now, vehicle frame
-  double z_m = 0.0;                   ///< above the road
+  double z_m = 0.0;                   ///< likewise
   double vx_mps = 0.0, vy_mps = 0.0;  ///< zero but for noise where it stands still
 };
 

@@ -97,6 +97,13 @@ int count_agreeing(std::span<const FollowedCorner> corners, const Pinhole& camer
 
 }  // namespace
 
+CameraMotion scaled(const CameraMotion& motion, double times) {
+  const auto& r = motion.rotation;
+  const cv::Vec3d axis(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1));  // times twice the sine
+  const double length = cv::norm(axis), angle = std::atan2(length, cv::trace(r) - 1.0);
+  return {length > 0.0 ? turn(axis * (times * angle / length)) : r, motion.shift_m * times};
+}
+
 std::optional<PoseResult> solve_pose(std::span<const FollowedCorner> corners, const Pinhole& camera,
                                      const CameraMotion& start, const EgoOptions& options, std::uint32_t frame) {
   if (corners.size() < 3) return std::nullopt;

@@ -27,6 +27,9 @@ struct CameraMotion {
   cv::Vec3d shift_m;
 };
 
+/// The same going on for `times` as long.
+CameraMotion scaled(const CameraMotion& motion, double times);
+
 struct PoseResult {
   CameraMotion motion;
   cv::Matx66d covariance;  ///< of a small turn after the rotation, then of the shift

@@ -43,9 +43,9 @@ OffspringKinds first_offspring(const Scene& scene, std::size_t count) {
 }
 
 OffspringKinds later_offspring(const Scene& scene, std::size_t parents, std::size_t children) {
+  if (parents == 0) return first_offspring(scene, children);
   const auto& options = scene.options;
   const double steering_share = scene.steer_towards.empty() ? 0.0 : options.steering_share;
-  if (parents == 0) return {0, 0, children};
   const double crossed_share = steering_share + options.crossover_share;
   return {part_of(steering_share, children), part_of(crossed_share, children),
           part_of(crossed_share + options.immigration_share, children)};

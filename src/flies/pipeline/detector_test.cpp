@@ -357,6 +357,29 @@ TEST(FittedOptions, LookAtADronesOwnHeight) {
   EXPECT_EQ(fitted_options(mast, {}).field.z_max_m, DetectorOptions{}.field.z_max_m);
 }
 
+TEST(FittedOptions, KeepTheNearEndWhereNoRoadIsInView) {
+  StereoCamera up = kitti_camera(), unsized = kitti_camera();
+  up.baseline_m = unsized.baseline_m = 0.06;
+  up.mount = {.height_m = 0.4, .pitch_rad = radians(-25)};
+  unsized.width_px = unsized.height_px = 0;
+  const DetectorOptions robot = preset_options(Preset::robot);
+  for (const auto& camera : {up, unsized}) {
+    const DetectorOptions fitted = fitted_options(camera, robot);
+    EXPECT_EQ(fitted.field.x_min_m, robot.field.x_min_m);
+    EXPECT_EQ(fitted.scan.x_min_m, robot.scan.x_min_m);
+    EXPECT_NEAR(fitted_options(camera, {}).field.x_max_m, range_of_deviation_m(camera, 0.15), 1e-9);
+  }
+}
+
+TEST(FittedOptions, LookAsFarToTheSidesAsTheCamera) {
+  StereoCamera wide = kitti_camera();
+  wide.fx_px = wide.fy_px = 400.0;
+  const ConcentrateOptions fitted = fitted_options(wide, {}).concentrate;
+  EXPECT_NEAR(fitted.half_field_deg, degrees(std::atan(631.4 / 400.0)) + 0.25 * fitted.view_angle_deg,
+              0.25 * fitted.view_angle_deg);
+  EXPECT_EQ(fitted_options(kitti_camera(), {}).concentrate.half_field_deg, 45.0);
+}
+
 TEST(FittedOptions, KeepTheDeclaredRangesForAnyCamera) {
   for (const auto preset : kPresets)
     for (const double focal_px : {100.0, 700.0, 5000.0})

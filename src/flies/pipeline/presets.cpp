@@ -151,6 +151,7 @@ DetectorOptions fitted_options(const StereoCamera& camera, DetectorOptions optio
   constexpr double kFlattestRoad_px = 40.0;  // below the horizon
   constexpr double kScanBefore = 0.875, kLatestScan_m = 3.5;
   constexpr double kNever_m = 1e6;
+  constexpr double kWidestField_deg = 89.0;
   const double scale = camera.fx_px * camera.baseline_m;
   const double lower_edge_rad =
       camera.mount.pitch_rad + std::atan((camera.height_px - 1 - camera.cy_px) / camera.fy_px);
@@ -158,20 +159,30 @@ DetectorOptions fitted_options(const StereoCamera& camera, DetectorOptions optio
                             ? camera.mount.height_m / std::tan(std::min(lower_edge_rad, 1.5))
                             : kNever_m;
   const double both_m = camera.width_px > 0 ? scale / (kNearestDisparityShare * camera.width_px) : 0.0;
-  const double near_m = std::max({kLeastRange_m, both_m, kBeforeTheRoad * road_m});
+  const bool sees_road = road_m < kNever_m;
+  const double near_m = std::max({kLeastRange_m, both_m, sees_road ? kBeforeTheRoad * road_m : 0.0});
   const double far_m = std::max(range_of_deviation_m(camera, kWorstDeviation), 4.0 * near_m);
 
   lift_to_camera(camera, lower_edge_rad, options);
   auto& field = options.field;
   const double before = std::log(field.x_max_m / field.x_min_m);
-  field.x_min_m = std::max({std::min(field.x_min_m, near_m), both_m, road_m < kNever_m ? kHalfHidden * road_m : 0.0});
+  if (sees_road) field.x_min_m = std::max(std::min(field.x_min_m, near_m), kHalfHidden * road_m);
+  field.x_min_m = std::max(field.x_min_m, both_m);
   field.x_min_m = std::min(field.x_min_m, kNearestOfCars_m);
   field.x_max_m = std::max(std::min(field.x_max_m, far_m), 2.0 * field.x_min_m);
   // Flies are spread evenly over the logarithm of the range: as many as before for each piece of it.
   if (const double now = std::log(field.x_max_m / field.x_min_m); now > before)
     options.evolve.flies = static_cast<int>(std::lround(options.evolve.flies * now / before));
   // Matching far more disparities than the scene has makes the scan blind.
-  options.scan.x_min_m = std::clamp(kScanBefore * near_m, 0.2, kLatestScan_m);
+  if (sees_road) options.scan.x_min_m = std::clamp(kScanBefore * near_m, 0.2, kLatestScan_m);
+  if (camera.width_px > 0) {
+    // In whole view-angles, which would else end before the field does.
+    const double widest_px = std::max(camera.cx_px, camera.width_px - 1 - camera.cx_px);
+    const double half_angle_deg = 0.5 * options.concentrate.view_angle_deg;
+    const double half_deg = half_angle_deg * std::ceil(degrees(std::atan(widest_px / camera.fx_px)) / half_angle_deg);
+    options.concentrate.half_field_deg =
+        std::max(options.concentrate.half_field_deg, std::min(half_deg, kWidestField_deg));
+  }
 
   auto& road = options.road;
   road.x_min_m = std::min(road.x_min_m, std::max(kLeastRange_m, road_m));

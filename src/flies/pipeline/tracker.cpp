@@ -34,18 +34,21 @@ Tracking Tracker::process(const RectifiedPair& pair, double time_s, const std::o
   Tracking t;
   t.time_s = time_s;
   ego_.check(pair, time_s);
-  if (measured) {
-    t.ego = *measured;
-    t.detection = detector_.process(pair, planar_motion(t.ego));
-    ego_.skip(pair, time_s);
-  } else {
-    t.detection = detector_.process(pair, [&] {
+  if (measured) t.ego = *measured;
+  try {
+    t.detection = measured ? detector_.process(pair, planar_motion(t.ego)) : detector_.process(pair, [&] {
       t.ego = timed(t.ego_ms, [&] { return ego_.follow(pair, time_s); });
       return planar_motion(t.ego);
     });
+  } catch (...) {
+    // Tracks move with the camera, whatever became of the pair.
+    if (measured) ego_.skip(pair, time_s);
+    if (t.ego.dt_s > 0.0) keeper_.step(t.ego, {});
+    throw;
   }
+  if (measured) ego_.skip(pair, time_s);
   const auto sightings = sightings_of(t.detection.obstacles, t.detection.pedestrians);
-  t.tracks = timed(t.track_ms, [&] { return keeper_.step(t.ego, sightings); });
+  t.tracks = timed(t.track_ms, [&] { return keeper_.step(t.ego, sightings, t.detection.road.plane); });
   return t;
 }
 

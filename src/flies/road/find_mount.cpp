@@ -97,7 +97,7 @@ Vote vote_of(const SeenPlaces& seen, const CameraMount& told) {
   vote.places = seen.places.size();
   const auto near_told = planes_around(told, seen.scale_px_m);
   if (const auto found = fit_ground(seen, around(told), near_told)) {
-    vote.told_support = found->support;
+    vote.support = vote.told_support = found->support;
     vote.near_told = sure_mount(seen, found->plane);
   }
   const auto best = fit_ground(seen, {}, near_told);

@@ -26,6 +26,7 @@ constexpr double kInlierDisparity_px = 0.75;
 
 /// Disparities of a probe that are looked through at most: more than any image is wide.
 constexpr double kMaxSpan_px = 100'000;
+constexpr double kLeastSpan_px = 2.0;
 
 /// Standard deviations that weigh the measurements against the prior "nominal ground" in the fit: of a probe's
 /// disparity, of the error in the camera's height, and of the road's bank.
@@ -79,10 +80,13 @@ RoadProbe match_probe(const RectifiedPair& pair, const Projection& projection, c
     return point.x_m > 0.0 ? projection.disparity_at_depth(projection.depth_m(point))
                            : projection.disparity_offset_px();
   };
-  const double lowest_px = disparity_on_slope(-options.max_slope);
+  const double downhill_px = disparity_on_slope(-options.max_slope), uphill_px = disparity_on_slope(options.max_slope);
+  // From high up all slopes are within a pixel or two, and a peak needs room.
+  const double slack_px = uphill_px - downhill_px < kLeastSpan_px ? 1.0 : 0.0;
+  const double lowest_px = downhill_px - slack_px;
   // Farther to the left than the image begins no match lies.
-  const double highest_px = std::min(disparity_on_slope(options.max_slope), image.u_px);
-  if (!(highest_px - lowest_px >= 2.0 && highest_px - lowest_px <= kMaxSpan_px)) return {};
+  const double highest_px = std::min(uphill_px + slack_px, image.u_px);
+  if (!(highest_px - lowest_px >= kLeastSpan_px && highest_px - lowest_px <= kMaxSpan_px)) return {};
   correlation.resize(static_cast<std::size_t>(highest_px - lowest_px) + 1);
   correlate_disparities(pair, image, lowest_px, correlation);
 

@@ -34,8 +34,7 @@ struct Scene {
 };
 
 /// A textured plane below a uniform sky, seen by both cameras.
-Scene render(const RoadPlane& road) {
-  const auto stereo = camera();
+Scene render(const RoadPlane& road, const StereoCamera& stereo = camera()) {
   const Projection projection(stereo);
   Scene scene{std::vector<std::uint8_t>(640 * 300, 128), std::vector<std::uint8_t>(640 * 300, 128)};
   for (int v = 0; v < 300; ++v)
@@ -83,6 +82,15 @@ TEST(EstimateRoad, IgnoresAWallThatCoversHalfOfIt) {
   const auto result = estimate_road(scene.pair(), Projection(camera()), {});
   ASSERT_TRUE(result.found);
   EXPECT_NEAR(result.plane.slope, 0.02, kSlopeTolerance);
+}
+
+TEST(EstimateRoad, FindsItFromHighUpWhereAllSlopesAreWithinAPixel) {
+  StereoCamera drone = camera();
+  drone.baseline_m = 0.06;
+  drone.mount = {.height_m = 7.0, .pitch_rad = radians(30)};
+  const auto result = estimate_road(render({}, drone).pair(), Projection(drone), {});
+  ASSERT_TRUE(result.found);
+  EXPECT_NEAR(result.plane.z_m(12.0, 0.0), 0.0, 0.1);
 }
 
 TEST(EstimateRoad, KeepsTheNominalGroundWithoutTexture) {

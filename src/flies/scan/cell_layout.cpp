@@ -60,8 +60,10 @@ void lay_out_cells(const RectifiedPair& pair, const Projection& projection, cons
 
   const double nearest = std::min<double>(projection.disparity_at_depth(options.x_min_m), width - 1);
   const double farthest = std::max<double>(projection.disparity_at_depth(options.x_max_m), -width);
-  layout.nearest_px = static_cast<int>(std::ceil(nearest));
-  layout.disparities = std::clamp(layout.nearest_px - static_cast<int>(std::floor(farthest)) + 1, 1, kMaxDisparities);
+  // Where there are too many, the nearest are left out: without the far end all that is far would be a ghost.
+  const int farthest_px = static_cast<int>(std::floor(farthest));
+  layout.nearest_px = std::min(static_cast<int>(std::ceil(nearest)), farthest_px + kMaxDisparities - 1);
+  layout.disparities = std::max(layout.nearest_px - farthest_px + 1, 1);
 
   const double offset_px = projection.disparity_offset_px();
   layout.reach.resize(static_cast<std::size_t>(layout.bands));

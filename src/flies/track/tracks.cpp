@@ -15,10 +15,11 @@ namespace flies {
 namespace {
 
 constexpr double kMaxProbability = 0.98;  // nothing is ever so sure that it could not have gone
+constexpr double kLeastAlive = 0.3;       // a track that is less probable, unless less probable ones are reported
 constexpr double kMaxPersonLogOdds = 6.0;
 constexpr double kNoPersonLogOdds = -0.4;  // the classifier misses some: one silence says little
 constexpr double kMaxVerdict = 0.95;       // of one look at a person
-constexpr double kMinDepth_m = 1.0;
+constexpr double kMinDepth_m = 0.1;
 constexpr double kMinHidden = 0.5;  // share of its width behind nearer things that hides a track
 constexpr double kHidingDistance_m = 1.0;
 constexpr double kSizeGain = 0.25;  // of the newest sighting in the size
@@ -113,18 +114,27 @@ GroundPosition TrackKeeper::measured(const Sighting& s) const {
   return {s.x_m, s.y_m, {{{c * c * a2 + n * n * b2, c * n * (a2 - b2)}, {c * n * (a2 - b2), n * n * a2 + c * c * b2}}}};
 }
 
-bool TrackKeeper::is_in_view(const GroundState& state) const {
-  if (!(state.x_m > kMinDepth_m) || !std::isfinite(state.y_m)) return false;
+Point3 TrackKeeper::point_on(const Track& track, double share_of_height) const {
+  const auto& [x_m, y_m] = std::pair(track.state.x_m, track.state.y_m);
+  return {x_m, y_m, road_.z_m(x_m, y_m) + share_of_height * track.height_m};
+}
+
+bool TrackKeeper::is_in_view(const Track& track) const {
+  if (!(track.state.x_m > kMinDepth_m) || !std::isfinite(track.state.y_m)) return false;
+  const Point3 middle = point_on(track, 0.5);
+  if (!(projection_.depth_m(middle) > kMinDepth_m)) return false;
   if (camera_.width_px == 0) return true;
-  const double u_px = camera_.cx_px - camera_.fx_px * state.y_m / state.x_m;
+  const double u_px = projection_.project(middle).u_px;
   return u_px >= 0.0 && u_px < camera_.width_px;
 }
 
-ImageBox TrackKeeper::predicted_box(const Track& track) const {
-  const StereoPoint foot = projection_.project({track.state.x_m, track.state.y_m, 0.0});
-  const StereoPoint head = projection_.project({track.state.x_m, track.state.y_m, track.height_m});
-  const double width_px = track.width_m * camera_.fx_px / std::max(track.state.x_m, kMinDepth_m);
-  return {foot.u_px - width_px / 2, head.v_px, width_px, foot.v_px - head.v_px};
+std::optional<ImageBox> TrackKeeper::predicted_box(const Track& track) const {
+  const Point3 at_foot = point_on(track, 0.0), at_head = point_on(track, 1.0);
+  const double depth_m = std::min(projection_.depth_m(at_foot), projection_.depth_m(at_head));
+  if (!(depth_m > kMinDepth_m)) return std::nullopt;
+  const StereoPoint foot = projection_.project(at_foot), head = projection_.project(at_head);
+  const double width_px = track.width_m * camera_.fx_px / depth_m;
+  return ImageBox{foot.u_px - width_px / 2, head.v_px, width_px, foot.v_px - head.v_px};
 }
 
 void TrackKeeper::predict_all(const EgoMotion& ego) {
@@ -134,7 +144,7 @@ void TrackKeeper::predict_all(const EgoMotion& ego) {
     track.age_s += ego.dt_s;
     track.unseen_s += ego.dt_s;
   }
-  std::erase_if(tracks_, [&](const Track& t) { return !is_in_view(t.state) || t.unseen_s > options_.max_coast_s; });
+  std::erase_if(tracks_, [&](const Track& t) { return !is_in_view(t) || t.unseen_s > options_.max_coast_s; });
 }
 
 /// The median velocity of the corners on a thing: in its box and near its range, so not on what is behind.
@@ -142,8 +152,9 @@ std::optional<GroundVelocity> TrackKeeper::velocity_of(const Sighting& s, const 
   const double range_m = std::max(std::hypot(s.x_m, s.y_m), kMinDepth_m), c = s.x_m / range_m, n = s.y_m / range_m;
   std::vector<double> along, across;
   for (const auto& corner : ego.corners) {
-    if (corner.z_m < kMinCornerHeight_m || corner.u_px < s.box.u_px || corner.v_px < s.box.v_px ||
-        corner.u_px > s.box.u_px + s.box.width_px || corner.v_px > s.box.v_px + s.box.height_px ||
+    if (corner.z_m - road_.z_m(corner.x_m, corner.y_m) < kMinCornerHeight_m || corner.u_px < s.box.u_px ||
+        corner.v_px < s.box.v_px || corner.u_px > s.box.u_px + s.box.width_px ||
+        corner.v_px > s.box.v_px + s.box.height_px ||
         std::abs(std::hypot(corner.x_m, corner.y_m) - range_m) > kCornerSlack_m + kCornerSlackShare * range_m)
       continue;
     along.push_back(c * corner.vx_mps + n * corner.vy_mps);
@@ -186,7 +197,7 @@ void TrackKeeper::miss(Track& track, std::span<const Sighting> sightings) const 
   const bool is_hidden = hidden_share(track, sightings) >= kMinHidden;
   const double seen = is_hidden ? options_.hidden_detection_probability : options_.detection_probability;
   track.probability = track.probability * (1.0 - seen) / (1.0 - track.probability * seen);
-  track.box = predicted_box(track);
+  if (const auto box = predicted_box(track)) track.box = *box;
 }
 
 Track TrackKeeper::start(const Sighting& s, const EgoMotion& ego) {
@@ -251,7 +262,8 @@ void TrackKeeper::join_doubles() {
   std::erase_if(tracks_, [](const Track& t) { return t.sightings == 0; });
 }
 
-std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sighting> given) {
+std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sighting> given, const RoadPlane& road) {
+  road_ = road;
   std::vector<Sighting> sightings;
   std::ranges::copy_if(given, std::back_inserter(sightings), is_usable);
   if (!ego.is_known) tracks_.clear();
@@ -280,7 +292,8 @@ std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sight
     taken[j] = true;
     see(tracks_[i], sightings[j], ego);
   }
-  std::erase_if(tracks_, [&](const Track& t) { return t.probability < options_.min_probability; });
+  const double least = std::min(options_.min_probability, kLeastAlive);
+  std::erase_if(tracks_, [&](const Track& t) { return t.probability < least; });
   for (std::size_t j = 0; j < sightings.size(); ++j)
     if (!taken[j]) tracks_.push_back(start(sightings[j], ego));
   join_doubles();
@@ -290,7 +303,8 @@ std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sight
     judge_motion(track);
   }
   std::vector<Track> found;
-  for (const auto& track : tracks_) found.push_back(reported(track));
+  for (const auto& track : tracks_)
+    if (track.probability >= options_.min_probability) found.push_back(reported(track));
   std::stable_sort(found.begin(), found.end(), [](const Track& a, const Track& b) {
     return std::hypot(a.state.x_m, a.state.y_m) < std::hypot(b.state.x_m, b.state.y_m);
   });

@@ -61,7 +61,8 @@ struct TrackOptions {
     field("detection_probability", self.detection_probability, Range{0.01, 0.99}, "that a thing in view is seen");
     field("hidden_detection_probability", self.hidden_detection_probability, Range{0.0, 0.99},
           "the same behind something nearer");
-    field("min_probability", self.min_probability, Range{0.0, 0.98}, "less likely tracks are not reported");
+    field("min_probability", self.min_probability, Range{0.0, 0.98},
+          "less likely tracks are not reported; those below 0.3 end");
     field("max_coast_s", self.max_coast_s, Range{0, 60}, "a track unseen for longer ends");
   }
 };
@@ -109,15 +110,19 @@ class TrackKeeper {
 
   /// @param ego      the motion since the call before; unknown at the first
   /// @param sightings vehicle frame of now; those with a number that is not finite are passed over
+  /// @param road     on which things stand now
   /// @returns the tracks to report, nearest first
-  std::vector<Track> step(const EgoMotion& ego, std::span<const Sighting> sightings);
+  std::vector<Track> step(const EgoMotion& ego, std::span<const Sighting> sightings, const RoadPlane& road = {});
 
  private:
   GroundPosition measured(const Sighting& sighting) const;
   Track reported(const Track& track) const;
   void predict_all(const EgoMotion& ego);
-  bool is_in_view(const GroundState& state) const;
-  ImageBox predicted_box(const Track& track) const;
+  /// Above the road, between its foot and its head.
+  Point3 point_on(const Track& track, double share_of_height) const;
+  bool is_in_view(const Track& track) const;
+  /// Nothing where it reaches behind the camera.
+  std::optional<ImageBox> predicted_box(const Track& track) const;
   std::optional<GroundVelocity> velocity_of(const Sighting& sighting, const EgoMotion& ego) const;
   void see(Track& track, const Sighting& sighting, const EgoMotion& ego) const;
   void miss(Track& track, std::span<const Sighting> sightings) const;
@@ -128,6 +133,7 @@ class TrackKeeper {
   StereoCamera camera_;
   Projection projection_;
   TrackOptions options_;
+  RoadPlane road_;
   std::vector<Track> tracks_;
   std::uint64_t next_id_ = 1;
 };

@@ -243,6 +243,59 @@ TEST(TrackKeeper, EndsTracksThatLeaveTheView) {
   EXPECT_TRUE(keeper.step(given_ego_motion(kDt_s, 12.0, 0.0, 0.0), {}).empty());
 }
 
+TEST(TrackKeeper, FollowsWhatIsNearerThanAMetre) {
+  TrackKeeper keeper(camera());
+  std::vector<Track> tracks;
+  for (int i = 0; i < 8; ++i) tracks = keeper.step(standing(), std::vector{at(1.15 - 0.1 * i, 0.05, 0.1)});
+  ASSERT_EQ(tracks.size(), 1U);
+  EXPECT_EQ(tracks[0].id, 1U);
+  EXPECT_NEAR(tracks[0].state.vx_mps, -1.0, 0.3);
+  EXPECT_LT(std::sqrt(tracks[0].state.covariance[1][1]), std::sqrt(tracks[0].state.covariance[0][0]))
+      << "bearings are surer than ranges";
+}
+
+TEST(TrackKeeper, KnowsWhatACameraThatLooksDownSees) {
+  StereoCamera mast = camera();
+  mast.mount = {.height_m = 3.0, .pitch_rad = radians(25)};
+  TrackKeeper keeper(mast);
+  // A level camera would see it 20 px beside the image.
+  const double edge_y_m = 4.0 * 620.0 / 720.0 + 0.1;
+  for (int i = 0; i < 3; ++i) keeper.step(standing(), std::vector{at(4.0, edge_y_m)});
+  const auto tracks = keeper.step(standing(), std::vector{at(4.0, edge_y_m)});
+  ASSERT_EQ(tracks.size(), 1U);
+  EXPECT_EQ(tracks[0].id, 1U);
+}
+
+TEST(TrackKeeper, ReportsSureTracksOnlyWhenAskedToAndEndsNoneForThat) {
+  TrackOptions sure;
+  sure.min_probability = 0.95;
+  TrackKeeper keeper(camera(), sure);
+  EXPECT_TRUE(keeper.step(standing(), std::vector{at(10, 0)}).empty());
+  for (int i = 0; i < 5; ++i) keeper.step(standing(), std::vector{at(10, 0)});
+  keeper.step(standing(), {});
+  keeper.step(standing(), std::vector{at(10, 0)});
+  const auto tracks = keeper.step(standing(), std::vector{at(10, 0)});
+  ASSERT_EQ(tracks.size(), 1U);
+  EXPECT_EQ(tracks[0].id, 1U);
+}
+
+TEST(TrackKeeper, CornersOnARoadThatRisesAreNotOnTheThingThere) {
+  const RoadPlane hill{.slope = 0.05};
+  const auto speed_with = [&](double corner_above_road_m) {
+    TrackKeeper keeper(camera());
+    EgoMotion ego = standing();
+    Sighting thing = at(15, 0);
+    thing.box = {500, 100, 200, 200};
+    for (int i = 0; i < 20; ++i)
+      ego.corners.push_back({600, 200, 15, 0, hill.z_m(15, 0) + corner_above_road_m, 5.0, 0.0});
+    std::vector<Track> tracks;
+    for (int i = 0; i < 5; ++i) tracks = keeper.step(ego, std::vector{thing}, hill);
+    return tracks.at(0).state.vx_mps;
+  };
+  EXPECT_GT(speed_with(1.0), 2.0);
+  EXPECT_NEAR(speed_with(0.1), 0.0, 0.5);
+}
+
 TEST(TrackKeeper, KeepsTwoThatCrossApart) {
   TrackKeeper keeper(camera());
   std::vector<Track> tracks;
