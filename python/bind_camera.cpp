@@ -161,6 +161,7 @@ void bind_camera(py::module_& module) {
   module.def(
       "find_pairs",
       [](const std::string& left, const std::string& right) {
+        const py::gil_scoped_release release;
         std::vector<std::pair<std::string, std::string>> pairs;
         for (auto& paths : flies::find_pairs(left, right))
           pairs.emplace_back(std::move(paths.left), std::move(paths.right));

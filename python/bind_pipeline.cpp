@@ -125,10 +125,19 @@ std::chrono::milliseconds timeout_of(double timeout_s) {
   return std::chrono::milliseconds(std::llround(timeout_s * 1e3));
 }
 
+/// An engine ends after the pair that is being worked on: other threads of Python run meanwhile.
+struct EndWithoutLock {
+  void operator()(flies::Engine* engine) const {
+    const py::gil_scoped_release release;
+    delete engine;
+  }
+};
+using OwnedEngine = std::unique_ptr<flies::Engine, EndWithoutLock>;
+
 void bind_engine(py::module_& module) {
   using flies::Engine;
   using flies::Snapshot;
-  py::class_<Engine>(
+  py::class_<Engine, OwnedEngine>(
       module, "Engine",
       "A tracker with a thread of its own, for a living camera: pairs go in whenever they come, the newest result is\n"
       "read whenever it is wanted. A pair that was overtaken before its turn is dropped and counted. All members may "
@@ -138,7 +147,7 @@ void bind_engine(py::module_& module) {
                        const std::optional<std::string>& model) {
              const auto all = python_options(camera, preset, options, true);
              const py::gil_scoped_release release;
-             return std::make_unique<Engine>(camera, all.detector, all.following, classifier_of(preset, model));
+             return OwnedEngine(new Engine(camera, all.detector, all.following, classifier_of(preset, model)));
            }),
            "camera"_a, "options"_a = py::dict(), "preset"_a = "default", "model"_a = py::none(), kMakeDoc)
       .def(

@@ -22,7 +22,7 @@ flies::GrayView gray_view(const py::object& image, const std::string& name) {
                             fmt::format("found {}, expected a numpy array of uint8",
                                         std::string(py::str(py::type::of(image).attr("__name__")))));
   const auto array = py::reinterpret_borrow<py::array>(image);
-  if (!array.dtype().is(py::dtype::of<std::uint8_t>()))
+  if (!py::isinstance<py::array_t<std::uint8_t>>(array))
     throw flies::InputError(name, "dtype",
                             fmt::format("found {}, expected uint8", std::string(py::str(array.dtype()))));
   if (array.ndim() != 2)

@@ -1,4 +1,6 @@
 """Images go in without copies, and what is no image is told in one line."""
+import pickle
+
 import numpy as np
 import pytest
 
@@ -22,6 +24,11 @@ def test_every_other_row_is_a_view_too(pair, camera):
     tall = np.repeat(pair[0], 2, axis=0), np.repeat(pair[1], 2, axis=0)
     rows = process(camera, tall[0][::2], tall[1][::2])
     assert np.array_equal(rows.obstacle_array, process(camera, *pair).obstacle_array)
+
+
+def test_images_of_another_process_will_do(pair, camera):
+    copies = pickle.loads(pickle.dumps(pair))
+    assert np.array_equal(process(camera, *copies).obstacle_array, process(camera, *pair).obstacle_array)
 
 
 @pytest.mark.parametrize(

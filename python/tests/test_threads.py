@@ -18,23 +18,31 @@ def test_interpreter_goes_on_while_the_engine_waits(camera):
     waiting.join()
 
 
-def test_interpreter_goes_on_while_a_pair_is_processed(pair, camera):
-    # A slow detector; the counter could not run if it held the interpreter's lock.
-    detector = flies.Detector(camera, {"evolve.flies": 200000, "evolve.generations": 20})
-    done = threading.Event()
+SLOW = {"evolve.flies": 200000, "evolve.generations": 20}
+
+
+def goes_on_during(work):
+    """Whether this thread runs while `work` does in another one: it could not if that held the interpreter's lock."""
     seen = []
-
-    def work():
-        detector.process(*pair)
-        done.set()
-
     worker = threading.Thread(target=work)
     worker.start()
-    while not done.is_set():
+    while worker.is_alive():
         seen.append(time.monotonic())
         time.sleep(0.001)
     worker.join()
-    assert len(seen) > 20 and max(np.diff(seen)) < 0.5 * (seen[-1] - seen[0])
+    return len(seen) > 20 and max(np.diff(seen)) < 0.5 * (seen[-1] - seen[0])
+
+
+def test_interpreter_goes_on_while_a_pair_is_processed(pair, camera):
+    detector = flies.Detector(camera, SLOW)
+    assert goes_on_during(lambda: detector.process(*pair))
+
+
+def test_interpreter_goes_on_while_an_engine_ends(pair, camera):
+    engines = [flies.Engine(camera, SLOW)]
+    engines[0].submit(*pair, time_s=0.0)
+    time.sleep(0.02)  # its thread has begun with the pair, for whose end the engine waits
+    assert goes_on_during(engines.clear)
 
 
 def test_one_detector_serves_threads_one_after_the_other(pair, camera):

@@ -301,6 +301,25 @@ TEST_F(LiveCommand, FaultsAreToldInOneLine) {
   }
 }
 
+TEST_F(LiveCommand, StartThatFailsLeavesOldOutputsAlone) {
+  write_text(folder.path() / "text.avi", "no film");
+  cv::Mat beside;
+  cv::hconcat(street_pair().left, unrelated_picture(), beside);
+  write_film(folder.path() / "unrelated.avi", beside, 3);
+  for (const char* name : {"out.jsonl", "out.mcap"}) write_text(folder.path() / name, "of an earlier run");
+  for (const char* source : {"text.avi", "unrelated.avi"}) {
+    const RunResult result = run({source, "--calib", "calib.txt", "--json", "out.jsonl", "--record", "out.mcap"});
+    EXPECT_EQ(result.status, 2) << source;
+    for (const char* name : {"out.jsonl", "out.mcap"})
+      EXPECT_EQ(read_text(folder.path() / name), "of an earlier run") << source;
+  }
+  const RunResult result =
+      run({"beside.avi", "--calib", "calib.txt", "--every-pair", "--json", "out.jsonl", "--record", "out.mcap"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(lines(read_text(folder.path() / "out.jsonl")), SizeIs(kFrames));
+  EXPECT_THAT(read_text(folder.path() / "out.mcap"), Not(HasSubstr("of an earlier run")));
+}
+
 TEST_F(LiveCommand, SourceThatEndsWithoutAPairIsAFault) {
   const RunResult result = run({"left", "left", "--calib", "calib.txt", "--every-pair", "--json", "-"});
   EXPECT_EQ(result.status, 2);

@@ -1,13 +1,17 @@
-// Recordings of others: bags of ROS 1 through `flies track`. Recordings of ROS 2 are tested by their format's own
-// package in tests/page.
+// Recordings through `flies track`: bags of ROS 1, and our own where they are faulty. Recordings of ROS 2 are tested by
+// their format's own package in tests/page, our own as `flies live` writes them in live_test.cpp.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "flies/core/base64.hpp"
+#include "flies/record/mcap_records.hpp"
 #include "flies/record/ros_bytes.hpp"
 #include "run_flies.hpp"
 #include "street_pair.hpp"
@@ -18,14 +22,23 @@ namespace {
 using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
+
+using Numbers = std::vector<double>;
 
 constexpr int kPairs = 3;
+constexpr std::uint64_t kStart_ns = 1'700'000'000'000'000'000U;
 
 struct Topics {
   std::string left = "/rig/left/image_raw", right = "/rig/right/image_raw";
   bool has_camera_info = true;
   std::string encoding = "mono8";
-  bool has_left_twice = false;  ///< the left camera gives another picture 3 ms after each
+  bool has_left_twice = false;                           ///< the left camera gives another picture 3 ms after each
+  std::optional<std::uint64_t> stamp_ns = std::nullopt;  ///< of all pictures; nothing: their own times
+  double baseline_factor = 1.0;                          ///< of the baseline that the camera_info has
+  Numbers distortion = {};
+  std::string before = {};  ///< records before those of the pairs
+  std::string after = {};   ///< and after the chunk that holds them
 };
 
 std::string pixels_of(const cv::Mat& image) { return {reinterpret_cast<const char*>(image.data), image.total()}; }
@@ -38,25 +51,27 @@ void write_bag(const std::filesystem::path& path, const Topics& topics = {}) {
   const std::vector<std::string> names = {topics.left, topics.right, "/rig/left/camera_info", "/rig/right/camera_info"};
   for (std::uint32_t i = 0; i < 4; ++i)
     records += BagBytes::connection(i, names[i], i < 2 ? "sensor_msgs/Image" : "sensor_msgs/CameraInfo");
+  records += topics.before;
   for (int i = 0; i < kPairs; ++i) {
-    const std::uint64_t time_ns = 1'700'000'000'000'000'000U + static_cast<std::uint64_t>(i) * 100'000'000U;
-    const auto image = [&](std::uint32_t connection, const cv::Mat& picture, std::uint64_t stamp_ns) {
-      const auto data =
-          ros_image(false, stamp_ns, picture.cols, picture.rows, topics.encoding, picture.cols, pixels_of(picture));
-      records += BagBytes::message({connection, stamp_ns, data});
+    const std::uint64_t time_ns = kStart_ns + static_cast<std::uint64_t>(i) * 100'000'000U;
+    const auto image = [&](std::uint32_t connection, const cv::Mat& picture, std::uint64_t picture_ns) {
+      const auto data = ros_image(false, topics.stamp_ns.value_or(picture_ns), picture.cols, picture.rows,
+                                  topics.encoding, picture.cols, pixels_of(picture));
+      records += BagBytes::message({connection, picture_ns, data});
     };
     image(0, left, time_ns);
     image(1, right, time_ns + 1'000'000U);
     if (topics.has_left_twice) image(0, left, time_ns + 3'000'000U);
     for (const std::uint32_t connection : {2U, 3U}) {
       if (!topics.has_camera_info) break;
-      const double shift = connection == 2 ? 0.0 : -camera.fx_px * camera.baseline_m;
+      const double shift = connection == 2 ? 0.0 : -camera.fx_px * camera.baseline_m * topics.baseline_factor;
       records += BagBytes::message({connection, time_ns,
-                                    ros_camera_info(false, camera.width_px, camera.height_px, camera.fx_px, shift, {},
-                                                    camera.cx_px, camera.cy_px)});
+                                    ros_camera_info(false, camera.width_px, camera.height_px, camera.fx_px, shift,
+                                                    topics.distortion, camera.cx_px, camera.cy_px)});
     }
   }
-  std::ofstream(path, std::ios::binary) << BagBytes::start() << BagBytes::chunk("none", records, records.size());
+  std::ofstream(path, std::ios::binary) << BagBytes::start() << BagBytes::chunk("none", records, records.size())
+                                        << topics.after;
 }
 
 RunResult track(const TestFolder& folder, std::vector<std::string> more) {
@@ -102,6 +117,80 @@ TEST(Bags, NoPictureIsInTwoPairs) {
   EXPECT_THAT(result.err, HasSubstr("3 pictures of /rig/left/image_raw have no partner"));
 }
 
+TEST(Bags, BaselineOfTheUserOverrulesTheirs) {
+  const TestFolder folder;
+  for (const auto& distortion : {Numbers{}, Numbers{1e-9, 0, 0, 0, 0}}) {  // the latter: a rectifier
+    write_bag(folder.path() / "drive.bag", {.baseline_factor = 0.5, .distortion = distortion});
+    const RunResult result = track(folder, {"--baseline", std::to_string(street_camera().baseline_m)});
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("the baseline is"));
+    const json last = json::parse(lines(result.out).back());
+    EXPECT_NEAR(last.at("run").at("camera").at("baseline_m").get<double>(), street_camera().baseline_m, 1e-5);
+    ASSERT_FALSE(last.at("obstacles").empty());
+    EXPECT_NEAR(last["obstacles"][0]["x_m"].get<double>(), kBoxX_m, 1.0);
+  }
+}
+
+TEST(Bags, OptionsOfCalibrationFilesAreRefusedWithoutOne) {
+  const TestFolder folder;
+  write_bag(folder.path() / "drive.bag");
+  const std::vector<std::vector<std::string>> options = {
+      {"--right-calib", "right.yaml"}, {"--calib-size", "320,240"}, {"--raw"}, {"--resized"}, {"--cameras", "2,3"}};
+  for (const auto& option : options) {
+    const RunResult result = track(folder, option);
+    EXPECT_EQ(result.status, 2) << option[0];
+    EXPECT_THAT(result.err, HasSubstr("drive.bag: " + option[0] + ": is for a calibration file (--calib)"));
+  }
+}
+
+TEST(Bags, PicturesWithoutStampsHaveTheTimesOfTheirMessages) {
+  const TestFolder folder;
+  write_bag(folder.path() / "drive.bag", {.stamp_ns = 0});
+  const RunResult result = track(folder, {});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto records = lines(result.out);
+  ASSERT_EQ(records.size(), static_cast<std::size_t>(kPairs));
+  EXPECT_NEAR(json::parse(records.back()).at("time_s").get<double>(), 0.2, 1e-6);
+}
+
+TEST(Bags, PicturesOfOneTimeAreCounted) {
+  const TestFolder folder;
+  write_bag(folder.path() / "drive.bag", {.stamp_ns = kStart_ns});
+  const RunResult result = track(folder, {});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(lines(result.out).size(), 1U);
+  for (const char* side : {"left", "right"})
+    EXPECT_THAT(result.err, HasSubstr("2 pictures of /rig/" + std::string(side) + "/image_raw are left out"));
+}
+
+TEST(Bags, FaultyMessagesArePassedOver) {
+  const TestFolder folder;
+  const auto cut = [](std::uint32_t connection) { return BagBytes::message({connection, kStart_ns, "cut"}); };
+  const std::string other = BagBytes::connection(4, "/other/camera_info", "sensor_msgs/CameraInfo") + cut(4);
+  write_bag(folder.path() / "drive.bag", {.before = other + cut(0)});
+  const RunResult result = track(folder, {});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(lines(result.out).size(), static_cast<std::size_t>(kPairs));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("1 messages of /rig/left/image_raw are left out: they cannot be read; the "
+                                          "first: drive.bag /rig/left/image_raw: the message ends too early"),
+                                Not(HasSubstr("/other")), Not(HasSubstr("damaged"))));
+
+  write_bag(folder.path() / "drive.bag", {.has_camera_info = false, .before = cut(2)});
+  const RunResult needed = track(folder, {});
+  EXPECT_EQ(needed.status, 2);
+  EXPECT_THAT(needed.err, HasSubstr("drive.bag /rig/left/camera_info: the message ends too early"));
+}
+
+TEST(Bags, WhyReadingEndedIsTold) {
+  const TestFolder folder;
+  write_bag(folder.path() / "drive.bag", {.after = BagBytes::chunk("zip", "x", 1)});
+  const RunResult result = track(folder, {});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(lines(result.out).size(), static_cast<std::size_t>(kPairs));
+  EXPECT_THAT(result.err, HasSubstr("drive.bag: chunks are compressed with 'zip', expected none, zstd, lz4 or bz2; "
+                                    "reading ended after 3 pairs"));
+}
+
 TEST(Bags, WhatIsMissingIsNamed) {
   const TestFolder folder;
   write_bag(folder.path() / "drive.bag", {.has_camera_info = false});
@@ -115,6 +204,65 @@ TEST(Bags, WhatIsMissingIsNamed) {
   const RunResult bayer = track(folder, {});
   EXPECT_EQ(bayer.status, 2);
   EXPECT_THAT(bayer.err, HasSubstr("drive.bag /rig/left/image_raw 0: encoding: found 'bayer_rggb8'"));
+
+  write_bag(folder.path() / "drive.bag", {.left = "/left", .right = "/right", .has_camera_info = false});
+  const RunResult named_as_ours = track(folder, {});
+  EXPECT_EQ(named_as_ours.status, 2);
+  EXPECT_THAT(named_as_ours.err, AllOf(HasSubstr("drive.bag: /camera_info: is missing"), HasSubstr("--calib")));
+}
+
+std::string picture_message(const cv::Mat& picture) {
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", picture, png);
+  return json{{"data", to_base64(png)}}.dump();
+}
+
+std::string calibration_message(bool is_right) {
+  const StereoCamera c = street_camera();
+  const double shift = is_right ? -c.fx_px * c.baseline_m : 0.0;
+  return json{{"width", c.width_px},
+              {"height", c.height_px},
+              {"P", {c.fx_px, 0.0, c.cx_px, shift, 0.0, c.fy_px, c.cy_px, 0.0, 0.0, 0.0, 1.0, 0.0}}}
+      .dump();
+}
+
+/// A recording like ours, without chunks: a message for each topic.
+void write_mcap(const std::filesystem::path& path, const std::vector<std::pair<std::string, std::string>>& messages) {
+  std::string bytes(mcap::kMagic);
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    std::string channel, message;
+    put_number(channel, i, 2);
+    put_number(channel, 0, 2);
+    mcap::put_text(channel, messages[i].first);
+    mcap::put_text(channel, "json");
+    put_number(channel, 0, 4);
+    mcap::put_record(bytes, mcap::Opcode::channel, channel);
+    put_number(message, i, 2);
+    put_number(message, 0, 4);
+    put_number(message, kStart_ns, 8);
+    put_number(message, kStart_ns, 8);
+    mcap::put_record(bytes, mcap::Opcode::message, message + messages[i].second);
+  }
+  mcap::put_record(bytes, mcap::Opcode::data_end, std::string(4, '\0'));
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+TEST(OwnRecordings, FaultsOfTheirCalibrationAreNamed) {
+  const TestFolder folder;
+  const auto& [left, right] = street_pair();
+  const auto run = [&](const std::string& left_calibration) {
+    write_mcap(folder.path() / "street.mcap", {{"/left", picture_message(left)},
+                                               {"/right", picture_message(right)},
+                                               {"/left/calibration", left_calibration},
+                                               {"/right/calibration", calibration_message(true)}});
+    return run_flies(folder.path(), {"track", "street.mcap", "--camera-height", "1.65", "--json", "-"});
+  };
+  const RunResult good = run(calibration_message(false));
+  EXPECT_EQ(good.status, 0) << good.err;
+  EXPECT_EQ(lines(good.out).size(), 1U);
+  const RunResult short_one = run(R"({"P": [1, 2, 3]})");
+  EXPECT_EQ(short_one.status, 2);
+  EXPECT_EQ(short_one.err, "flies: street.mcap: /left/calibration P: found 3 numbers, expected 12\n");
 }
 
 }  // namespace

@@ -88,16 +88,32 @@ async function standingNumber(page) {
   assert.fail("the page does not stand still");
 }
 
+/** Presses "Save report". Returns the folder that the report is unpacked into, or null where nothing unpacks it. */
+async function savedReport(page, name) {
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+  const report = join(work, `${name}.zip`);
+  await download.saveAs(report);
+  assert.match(download.suggestedFilename(), /^flies-pair-\d+\.zip$/);
+  const folder = join(work, name);
+  return spawnSync("python3", ["-m", "zipfile", "-e", report, folder]).status === 0 ? folder : null;
+}
+
+/** The whole lines of the output so far. */
+function records() {
+  const path = join(work, "out.jsonl");
+  return existsSync(path) ? readFileSync(path, "utf8").split("\n").slice(0, -1).map((line) => JSON.parse(line)) : [];
+}
+
 painted();
 let run = await start(0);
 const port = new URL(run.address).port;
 const browser = await chromium.launch({ executablePath: browserPath, args: ["--no-sandbox"] });
 const page = await browser.newPage({ viewport: { width: 1280, height: 900 } });
 const complaints = [];
-let isStopped = false;
+let isRefusalDue = false;
 page.on("console", (message) => {
-  const isOfStop = isStopped && /net::ERR|Failed to load resource/.test(message.text());
-  if (message.type() === "error" && !isOfStop) complaints.push(message.text());
+  const isDue = isRefusalDue && /net::ERR|Failed to load resource/.test(message.text());
+  if (message.type() === "error" && !isDue) complaints.push(message.text());
 });
 page.on("pageerror", (error) => complaints.push(String(error)));
 
@@ -120,8 +136,7 @@ try {
   await until(page, (number) => Number(document.body.dataset.number) === number, paused + 1);
 
   // Boxes are where the JSON says. Steps go on, by the key, to a pair in which someone is seen.
-  const newestRecord = () =>
-    readFileSync(join(work, "out.jsonl"), "utf8").trim().split("\n").map((line) => JSON.parse(line)).at(-1);
+  const newestRecord = () => records().at(-1);
   let shownNumber = await standingNumber(page);
   for (let i = 0; i < 12 && newestRecord().pedestrians.length === 0; ++i) {
     await page.keyboard.press("s");
@@ -146,17 +161,13 @@ try {
   await page.screenshot({ path: join(work, "page-1280.png"), fullPage: true });
 
   // The report holds what it takes to see the pair again.
-  const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
-  const report = join(work, "report.zip");
-  await download.saveAs(report);
-  assert.match(download.suggestedFilename(), /^flies-pair-\d+\.zip$/);
-  const unzip = spawnSync("python3", ["-m", "zipfile", "-e", report, join(work, "report")]);
-  if (unzip.status === 0) {
+  const report = await savedReport(page, "report");
+  if (report) {
     const again = spawnSync(flies, ["detect", "left.png", "right.png", "--calib", "calib.yaml", "--options",
-      "options.yaml", "--json", "-"], { cwd: join(work, "report"), encoding: "utf8" });
+      "options.yaml", "--json", "-"], { cwd: report, encoding: "utf8" });
     assert.equal(again.status, 0, again.stderr);
     assert.ok(JSON.parse(again.stdout).obstacles.length > 3);
-    assert.equal(JSON.parse(readFileSync(join(work, "report", "result.json"))).frame, shownNumber);
+    assert.equal(JSON.parse(readFileSync(join(report, "result.json"))).frame, shownNumber);
   }
 
   // Flies are shown on request, a slider changes an option, a fault is told.
@@ -168,6 +179,33 @@ try {
   await page.locator("#option-evolve-flies").focus();
   await page.keyboard.press("ArrowRight");
   await until(page, () => document.getElementById("option-evolve-flies-value").textContent === "3500");
+
+  // A report has the options that its pair was seen with, not those of now.
+  const later = await savedReport(page, "report-later");
+  if (later) {
+    const options = [report, later].map((folder) => readFileSync(join(folder, "options.yaml"), "utf8"));
+    assert.equal(options[1], options[0]);
+  }
+
+  // An order that is refused is told, whatever is folded away, and the slider goes back.
+  isRefusalDue = true;
+  await page.evaluate(() => {
+    document.querySelector("details").open = false;
+    const slider = document.getElementById("option-evolve-flies");
+    slider.max = 1e9;
+    slider.value = 1e9;
+    slider.dispatchEvent(new Event("input"));
+    slider.dispatchEvent(new Event("change"));
+  });
+  await page.waitForSelector("#fault:not(:empty)", { state: "visible", timeout: 20000 });
+  await until(page, () => document.getElementById("option-evolve-flies-value").textContent === "3500");
+  assert.equal(await page.inputValue("#option-evolve-flies"), "3500");
+  await page.evaluate(() => {
+    document.querySelector("details").open = true;
+    document.getElementById("option-evolve-flies").max = 20000;
+  });
+  isRefusalDue = false;
+
   await page.keyboard.press("p");
   await until(page, (number) => Number(document.body.dataset.number) > number + 5, shownNumber);
   // The server keeps the last twenty pairs: a busy machine may show an older one, so the page stands still again.
@@ -190,6 +228,11 @@ try {
   await page.setViewportSize({ width: 390, height: 844 });
   await page.waitForTimeout(300);
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= 390), "no scrolling sideways");
+  const letters_px = await page.evaluate(() => ["left", "top"].map((id) => {
+    const canvas = document.getElementById(id);
+    return parseFloat(canvas.getContext("2d").font) * canvas.clientWidth / canvas.width;
+  }));
+  assert.ok(letters_px.every((size_px) => size_px > 10), `letters in pictures can be read: ${letters_px}`);
   await page.screenshot({ path: join(work, "page-390.png"), fullPage: true });
 
   // Everything that can be used is reached by the keyboard and has a name.
@@ -205,7 +248,7 @@ try {
   for (const id of ["pause", "save", "flies", "option-evolve-flies"]) assert.ok(reached.has(id), `${id} by Tab: ${[...reached]}`);
 
   // The program stops and comes back: so does the page.
-  isStopped = true;
+  isRefusalDue = true;
   await stop(run);
   await until(page, () => document.getElementById("connection").textContent.includes("lost"));
   run = await start(Number(port));
@@ -234,5 +277,62 @@ if (!process.exitCode) {
   assert.equal(allowed.status, 200);
   const cookie = allowed.headers.get("set-cookie").split(";")[0];
   assert.equal((await fetch(`${open}page.js`, { headers: { cookie } })).status, 200);
-  await stop(run);
+
+  // Started anew it has another token: the page says so, and goes on once the new address was opened.
+  const browser = await chromium.launch({ executablePath: browserPath, args: ["--no-sandbox"] });
+  try {
+    const context = await browser.newContext();
+    const page = await context.newPage();
+    await page.goto(open + address.search);
+    await until(page, () => document.getElementById("connection").textContent === "connected");
+    await stop(run);
+    run = await start(Number(address.port), ["--view-address", "0.0.0.0"]);
+    await until(page, () => document.getElementById("connection").textContent.includes("Open the address"));
+    await (await context.newPage()).goto(open + new URL(run.address).search);
+    await until(page, () => document.getElementById("connection").textContent === "connected");
+    await stop(run);
+  } catch (error) {
+    console.error(error, run.said());
+    run.child.kill("SIGKILL");
+    process.exitCode = 1;
+  } finally {
+    await browser.close();
+  }
+}
+
+// What is set before the camera is known goes on top of what fits it; numbers and counts go on over a change.
+if (!process.exitCode) {
+  rmSync(join(work, "out.jsonl"));
+  run = await start(0, ["--camera-height", "0.5", "--mount", "given"]);
+  const setFlies = (value) => fetch(`${run.address}api/option`, { method: "POST", headers: { "X-Flies": "page" },
+    body: JSON.stringify({ path: "evolve.flies", value }) });
+  const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+  const worked = async (value, count) => {
+    for (let i = 0; i < 200; ++i, await pause(100)) {
+      const found = records().filter(({ run: made }) => made.options["evolve.flies"] === value);
+      if (found.length >= count) return found;
+    }
+    assert.fail(`${count} pairs with ${value} flies`);
+  };
+  try {
+    for (let i = 0; i < 100 && !(await setFlies("3500")).ok; ++i) await pause(20);
+    const early = await worked(3500, 8);
+    for (const { run: made } of early) assert.ok(made.options["road.x_min_m"] < 4, "a low camera sees the road sooner");
+    assert.ok((await setFlies("4500")).ok);
+    const late = await worked(4500, 8);
+    const all = records();
+    const idsOf = (some) => new Set(some.flatMap(({ tracks }) => tracks.map(({ id }) => id)));
+    const before = idsOf(all.filter(({ frame }) => frame < late[0].frame)), after = idsOf(late);
+    assert.ok(before.size > 0 && after.size > 0, "there are tracks");
+    assert.ok([...after].every((id) => !before.has(id)), "no number is given twice");
+    for (const { frame, live } of late) {
+      const missing = frame + 1 - all.filter((other) => other.frame <= frame).length;
+      assert.ok(live.dropped >= missing, `${live.dropped} dropped, ${missing} missing`);
+    }
+    await stop(run);
+  } catch (error) {
+    console.error(error, run.said());
+    run.child.kill("SIGKILL");
+    process.exitCode = 1;
+  }
 }

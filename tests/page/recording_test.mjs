@@ -226,7 +226,8 @@ function streamed(path) {
   });
   // Another protocol and a page of another site are refused.
   for (const [protocols, options] of [[["other"], {}],
-    [[protocol.FoxgloveClient.SUPPORTED_SUBPROTOCOL], { origin: "https://evil.example" }]]) {
+    [[protocol.FoxgloveClient.SUPPORTED_SUBPROTOCOL], { origin: "https://evil.example" }],
+    [[protocol.FoxgloveClient.SUPPORTED_SUBPROTOCOL], { origin: "https://app.foxglove.dev.evil.example" }]]) {
     const refused = new WebSocket(address, protocols, options);
     await new Promise((resolve) => refused.on("error", resolve));
   }

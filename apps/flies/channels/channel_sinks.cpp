@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 #include <vector>
 
 #include "channels/channel_schemas.hpp"
 #include "channels/channels.hpp"
+#include "flies/core/error.hpp"
 
 namespace {
+
+constexpr auto kLog = static_cast<std::size_t>(Channel::log);
 
 std::uint64_t now_ns() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -48,10 +52,14 @@ void FoxgloveSink::take(const LiveFrame& frame) {
 
 void FoxgloveSink::note(const std::string& sentence) {
   const std::uint64_t time_ns = now_ns();
-  server_.send(static_cast<std::size_t>(Channel::log), time_ns, log_message(sentence, time_ns));
+  server_.send(kLog, time_ns, log_message(sentence, time_ns));
 }
 
-RecordSink::RecordSink(const std::string& path) : writer_(path, described_channels<flies::McapChannel>()) {}
+void RecordSink::open() {
+  writer_.emplace(path_, described_channels<flies::McapChannel>());
+  for (const auto& [time_ns, message] : early_notes_) writer_->write(kLog, time_ns, message);
+  early_notes_.clear();
+}
 
 void RecordSink::take(const LiveFrame& frame) {
   for (std::size_t i = 0; i < kChannels.size(); ++i) {
@@ -60,17 +68,26 @@ void RecordSink::take(const LiveFrame& frame) {
     const std::string message = channel_message(channel, frame);
     const std::lock_guard lock(mutex_);
     newest_ns_ = time_ns_of(frame);
-    writer_.write(i, newest_ns_, message);
+    if (!writer_) open();
+    writer_->write(i, newest_ns_, message);
   }
 }
 
 void RecordSink::note(const std::string& sentence) {
   const std::lock_guard lock(mutex_);
   const std::uint64_t time_ns = newest_ns_ == 0 ? now_ns() : newest_ns_;
-  writer_.write(static_cast<std::size_t>(Channel::log), time_ns, log_message(sentence, time_ns));
+  std::string message = log_message(sentence, time_ns);
+  if (!writer_) {
+    early_notes_.emplace_back(time_ns, std::move(message));
+    return;
+  }
+  try {
+    writer_->write(kLog, time_ns, message);
+  } catch (const flies::InputError&) {  // the writer throws it again, to a thread that can end the run
+  }
 }
 
 void RecordSink::close() {
   const std::lock_guard lock(mutex_);
-  writer_.close();
+  if (writer_) writer_->close();
 }

@@ -51,6 +51,39 @@ std::string of_the_left(std::string topic) {
   return topic;
 }
 
+/// When a picture was taken; of a camera that does not say, when it was recorded.
+std::uint64_t picture_time_ns(const flies::RecordedMessage& message, const std::string& name) {
+  const std::uint64_t stamp_ns = flies::ros_stamp_ns(message, name);
+  return stamp_ns == 0 ? message.time_ns : stamp_ns;
+}
+
+/// @throws InputError naming an option that says how a calibration file is to be read
+void refuse_options_of_files(const CameraArguments& arguments, const std::string& path) {
+  const std::array<std::pair<const char*, bool>, 5> options = {{{"--right-calib", !arguments.right_calib.empty()},
+                                                                {"--calib-size", !arguments.calibrated_size_px.empty()},
+                                                                {"--raw", arguments.is_raw},
+                                                                {"--resized", arguments.is_resized},
+                                                                {"--cameras", !arguments.cameras.empty()}}};
+  for (const auto& [option, is_given] : options)
+    if (is_given)
+      throw flies::InputError(path, option,
+                              "is for a calibration file (--calib); without one the recording's own counts");
+}
+
+/// Takes the baseline that the user says, in the recording's direction.
+void apply_baseline(double baseline_m, const std::string& path, flies::Calibration& calibration) {
+  const double found_m = calibration.camera.baseline_m;
+  calibration.camera.baseline_m = baseline_m;
+  if (calibration.rectifier) {
+    flies::RawStereo raw = calibration.rectifier->raw();
+    for (double& t : raw.translation_m) t *= baseline_m / found_m;
+    calibration.rectifier.emplace(raw, path);
+    calibration.camera = calibration.rectifier->camera();
+  }
+  calibration.notes.push_back(
+      fmt::format("the baseline is {:.4g} m as was said, not {:.4g} as in the recording", baseline_m, found_m));
+}
+
 /// The entry whose time is nearest; of two the later one. There is one.
 template <class ByTime>
 typename ByTime::const_iterator nearest(const ByTime& entries, std::uint64_t time_ns) {
@@ -103,17 +136,31 @@ Recording::Recording(const std::string& path, const std::optional<std::array<std
   read_all();
   choose_topics(topics);
   pair_up();
-  if (is_cut_off_) notes_.push_back(fmt::format("{}: is cut off or damaged after {} pairs", path, pairs_.size()));
+  for (const auto& topic : {left_, right_}) note_losses(topic);
+  if (!early_end_.empty()) notes_.push_back(fmt::format("{} after {} pairs", early_end_, pairs_.size()));
 }
 
 void Recording::read_all() {
   try {
-    while (const auto message = reader_->next()) read(*message);
-    is_cut_off_ = !reader_->is_whole();
-  } catch (const flies::InputError&) {
+    while (const auto message = reader_->next()) read_or_pass_over(*message);
+    if (!reader_->is_whole()) early_end_ = path_ + ": is cut off or damaged";
+  } catch (const flies::InputError& fault) {
     if (pictures_.empty()) throw;
-    is_cut_off_ = true;
+    early_end_ = std::string(fault.what()) + "; reading ended";
   }
+  if (pictures_.empty() && !faults_.empty()) throw faults_.begin()->second.first;
+}
+
+void Recording::read_or_pass_over(const flies::RecordedMessage& message) {
+  try {
+    read(message);
+  } catch (const flies::InputError& fault) {
+    ++faults_.try_emplace(message.topic, Faults{fault}).first->second.count;
+  }
+}
+
+void Recording::throw_fault_of(const std::string& topic) const {
+  if (const auto found = faults_.find(topic); found != faults_.end()) throw found->second.first;
 }
 
 void Recording::read(const flies::RecordedMessage& message) {
@@ -121,7 +168,7 @@ void Recording::read(const flies::RecordedMessage& message) {
   switch (flies::ros_type(message)) {
     case flies::RosType::image:
     case flies::RosType::compressed_image:
-      pictures_[message.topic][flies::ros_stamp_ns(message, name)] = message.place;
+      add_picture(message, picture_time_ns(message, name));
       return;
     case flies::RosType::camera_info:
       if (!camera_infos_.contains(message.topic)) camera_infos_[message.topic] = flies::ros_camera_info(message, name);
@@ -130,9 +177,15 @@ void Recording::read(const flies::RecordedMessage& message) {
       break;
   }
   if (message.encoding != "json") return;
-  if (message.topic == topic_of(Channel::left) || message.topic == topic_of(Channel::right))
-    pictures_[message.topic][message.time_ns] = message.place;
+  const bool is_left = message.topic == topic_of(Channel::left);
+  if (is_left || message.topic == topic_of(Channel::right)) add_picture(message, message.time_ns);
+  has_own_pictures_ |= is_left;
   read_calibration(message);
+}
+
+void Recording::add_picture(const flies::RecordedMessage& message, std::uint64_t time_ns) {
+  const bool is_new = pictures_[message.topic].insert_or_assign(time_ns, message.place).second;
+  if (!is_new) ++replaced_[message.topic];
 }
 
 /// The topics that hold pictures, for errors.
@@ -144,10 +197,12 @@ std::string Recording::picture_topics() const {
 
 void Recording::choose_topics(const std::optional<std::array<std::string, 2>>& topics) {
   if (topics) {
-    for (const auto& topic : *topics)
-      if (!pictures_.contains(topic))
-        throw flies::InputError(path_, "--topics",
-                                fmt::format("no pictures in '{}'; topics with pictures: {}", topic, picture_topics()));
+    for (const auto& topic : *topics) {
+      if (pictures_.contains(topic)) continue;
+      throw_fault_of(topic);
+      throw flies::InputError(path_, "--topics",
+                              fmt::format("no pictures in '{}'; topics with pictures: {}", topic, picture_topics()));
+    }
     left_ = (*topics)[0];
     right_ = (*topics)[1];
     return;
@@ -187,6 +242,16 @@ void Recording::pair_up() {
   if (alone > 0) notes_.push_back(fmt::format("{}: {} pictures of {} have no partner", path_, alone, left_));
 }
 
+/// Tells which pictures of a topic were left out, and why.
+void Recording::note_losses(const std::string& topic) {
+  if (const auto found = replaced_.find(topic); found != replaced_.end())
+    notes_.push_back(
+        fmt::format("{}: {} pictures of {} are left out: later ones have their times", path_, found->second, topic));
+  if (const auto found = faults_.find(topic); found != faults_.end())
+    notes_.push_back(fmt::format("{}: {} messages of {} are left out: they cannot be read; the first: {}", path_,
+                                 found->second.count, topic, found->second.first.what()));
+}
+
 double Recording::time_s(std::size_t pair) const {
   return 1e-9 * static_cast<double>(pairs_[pair].time_ns - pairs_.front().time_ns);
 }
@@ -217,6 +282,7 @@ flies::GrayPair Recording::pair(std::size_t pair) const {
 const flies::RosCameraInfo& Recording::camera_info(const std::string& topic) const {
   const auto found = camera_infos_.find(topic);
   if (found != camera_infos_.end()) return found->second;
+  throw_fault_of(topic);
   std::vector<std::string> names;
   for (const auto& [name, info] : camera_infos_) names.push_back(name);
   throw flies::InputError(path_, topic,
@@ -226,18 +292,18 @@ const flies::RosCameraInfo& Recording::camera_info(const std::string& topic) con
 }
 
 flies::Calibration Recording::recorded_calibration() const {
-  if (left_ == topic_of(Channel::left) && (has_left_ || has_right_ || camera_infos_.empty())) {
-    if (!has_left_ || !has_right_)
-      throw flies::InputError(path_,
-                              std::string(topic_of(has_left_ ? Channel::right_calibration : Channel::left_calibration)),
-                              "is missing");
+  if (left_ == topic_of(Channel::left) && (has_left_ || has_right_ || has_own_pictures_)) {
+    if (!has_left_ || !has_right_) {
+      const std::string topic(topic_of(has_left_ ? Channel::right_calibration : Channel::left_calibration));
+      throw_fault_of(topic);
+      throw flies::InputError(path_, topic, "is missing");
+    }
     flies::check_camera(camera_, path_);
     flies::Calibration calibration;
     calibration.camera = camera_;
     calibration.format = "recording";
     calibration.has_height = calibration.has_pitch = has_mount_;
-    if (!has_mount_)
-      calibration.notes.push_back(path_ + ": does not say where the camera sits; the default mount is assumed");
+    if (!has_mount_) calibration.notes.push_back("does not say where the camera sits; the default mount is assumed");
     return calibration;
   }
   const auto& left = camera_info(camera_info_topic(left_));
@@ -251,11 +317,15 @@ flies::Calibration Recording::recorded_calibration() const {
 }
 
 flies::Calibration Recording::calibration(const CameraArguments& arguments) const {
+  refuse_options_of_files(arguments, path_);
   flies::Calibration calibration = recorded_calibration();
+  if (arguments.baseline_m) apply_baseline(*arguments.baseline_m, path_, calibration);
   auto& mount = calibration.camera.mount;
   if (arguments.height_m) mount.height_m = *arguments.height_m;
   if (arguments.pitch_deg) mount.pitch_rad = flies::radians(*arguments.pitch_deg);
   if (arguments.roll_deg) mount.roll_rad = flies::radians(*arguments.roll_deg);
+  calibration.has_height |= arguments.height_m.has_value();
+  calibration.has_pitch |= arguments.pitch_deg.has_value();
   flies::check_camera(calibration.camera, path_);
   return calibration;
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "flies/core/error.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/gray_image.hpp"
 #include "flies/record/recorded_message.hpp"
@@ -31,8 +32,8 @@ class Recording {
   /// @throws InputError naming the file and the pair when a picture is damaged
   flies::GrayPair pair(std::size_t pair) const;
 
-  /// The camera as it was recorded, its mount overruled by what the user says.
-  /// @throws InputError naming the topic that is missing
+  /// The camera as it was recorded, baseline and mount overruled by what the user says.
+  /// @throws InputError naming the topic that is missing or cannot be read, or the option that is of calibration files
   flies::Calibration calibration(const CameraArguments& arguments) const;
 
   const std::vector<std::string>& notes() const { return notes_; }
@@ -44,11 +45,20 @@ class Recording {
   };
   /// Of one topic of pictures by their times.
   using Pictures = std::map<std::uint64_t, flies::MessagePlace>;
+  /// Messages of one topic that cannot be read.
+  struct Faults {
+    flies::InputError first;
+    std::size_t count = 0;
+  };
 
   void read_all();
+  void read_or_pass_over(const flies::RecordedMessage& message);
   void read(const flies::RecordedMessage& message);
+  void add_picture(const flies::RecordedMessage& message, std::uint64_t time_ns);
   void read_calibration(const flies::RecordedMessage& message);
   void choose_topics(const std::optional<std::array<std::string, 2>>& topics);
+  void throw_fault_of(const std::string& topic) const;
+  void note_losses(const std::string& topic);
   void pair_up();
   std::string picture_topics() const;
   const flies::RosCameraInfo& camera_info(const std::string& topic) const;
@@ -58,11 +68,14 @@ class Recording {
   std::string path_;
   std::unique_ptr<flies::RecordingReader> reader_;
   std::map<std::string, Pictures> pictures_;
+  std::map<std::string, std::size_t> replaced_;  ///< pictures of a topic that had the time of a later one
+  std::map<std::string, Faults> faults_;         ///< of the topics that have some
   std::map<std::string, flies::RosCameraInfo> camera_infos_;
   std::string left_, right_;  ///< the topics
   std::vector<Pair> pairs_;
   flies::StereoCamera camera_;  ///< of our own recordings
   bool has_left_ = false, has_right_ = false, has_mount_ = false;
-  bool is_cut_off_ = false;
+  bool has_own_pictures_ = false;  ///< on the topic of our left ones
+  std::string early_end_;          ///< why reading ended early, as a note begins; empty: it did not
   std::vector<std::string> notes_;
 };

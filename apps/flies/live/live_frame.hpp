@@ -43,7 +43,7 @@ struct LiveFrame {
   std::shared_ptr<const flies::Snapshot> snapshot;
   flies::StereoCamera camera;
   GroundPose pose;
-  std::uint64_t seed = 0;
+  std::shared_ptr<const flies::DetectorOptions> options = {};  ///< that this pair was worked on with
   std::string preset = {};
   std::shared_ptr<const flies::RunRecord> run = {};
   std::uint64_t began_ns = 0;  ///< nanoseconds since 1970 at time 0 of the pairs

@@ -3,6 +3,7 @@
 #include <mutex>
 #include <opencv2/core.hpp>
 
+#include "flies/core/mat_view.hpp"
 #include "flies/io/image_codecs.hpp"
 #include "shared/standard_output.hpp"
 
@@ -10,7 +11,7 @@ TrackedFrame tracked_frame(const LiveFrame& frame) {
   return {.frame = static_cast<int>(frame.pair->number),
           .left = frame.pair->left_name,
           .right = frame.pair->right_name,
-          .seed = frame.seed,
+          .seed = frame.options->seed,
           .preset = frame.preset,
           .camera = frame.camera,
           .tracking = frame.snapshot->tracking,
@@ -28,14 +29,18 @@ const std::string& json_line(const LiveFrame& frame) {
 
 std::vector<std::uint8_t> picture_jpeg(const flies::GrayImage& picture) {
   constexpr int kQuality = 95;
-  const cv::Mat pixels(picture.height_px, picture.width_px, CV_8UC1, const_cast<std::uint8_t*>(picture.pixels.data()));
-  return flies::encode_jpeg(pixels, kQuality);
+  return flies::encode_jpeg(flies::mat_of(picture.view()), kQuality);
 }
 
 const std::vector<std::uint8_t>& left_jpeg(const LiveFrame& frame) {
   auto& made = *frame.encodings;
   std::call_once(made.jpeg_once, [&] { made.jpeg = picture_jpeg(frame.pair->images.left); });
   return made.jpeg;
+}
+
+void JsonSink::take(const LiveFrame& frame) {
+  if (!file_) file_.emplace(path_);
+  file_->write(json_line(frame));
 }
 
 void TableSink::take(const LiveFrame& frame) {

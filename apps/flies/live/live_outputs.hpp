@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "live/live_frame.hpp"
@@ -20,14 +22,16 @@ std::vector<std::uint8_t> picture_jpeg(const flies::GrayImage& picture);
 /// The left picture so. From any thread.
 const std::vector<std::uint8_t>& left_jpeg(const LiveFrame& frame);
 
-/// A line of JSON a pair.
+/// A line of JSON a pair. A run that has no result leaves a file of an earlier one alone.
 class JsonSink final : public LiveSink {
  public:
-  explicit JsonSink(const std::string& path) : file_(path) {}
-  void take(const LiveFrame& frame) override { file_.write(json_line(frame)); }
+  explicit JsonSink(std::string path) : path_(std::move(path)) {}
+  /// @throws flies::InputError as `LineFile`
+  void take(const LiveFrame& frame) override;
 
  private:
-  LineFile file_;
+  std::string path_;
+  std::optional<LineFile> file_;  ///< from the first result on
 };
 
 /// For people: a line a track, on standard output.

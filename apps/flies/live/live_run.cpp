@@ -23,6 +23,12 @@ using Answer = flies::FrameStream::Answer;
 constexpr std::size_t kPairsToDiagnose = 5;
 constexpr std::size_t kRecentPairs = 16;  // an engine holds two, one in work and one that waits, and eight results
 
+flies::DetectorOptions with_option(flies::DetectorOptions options, const std::string& path, const std::string& text) {
+  flies::set_option(options, path, text, "options");
+  flies::check_detector_options(options, "options");
+  return options;
+}
+
 }  // namespace
 
 GroundPose moved(const GroundPose& pose, const flies::EgoMotion& ego) {
@@ -123,18 +129,44 @@ bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
   for (const auto& one : first)
     sample.push_back(calibration_->rectifier ? calibration_->rectifier->rectify(one.images) : one.images);
   diagnosis_ = diagnose_sample(std::move(sample), *calibration_, request_.corrections);
+  for (const auto& note : first.front().images.notes) say(note);
   if (const auto note = flies::mosaic_note(first.front().images.view())) say(*note);
   for (const auto& note : diagnosis_.notes) say(note);
-  const std::lock_guard lock(mutex_);
-  if (!options_changed_) options_ = effective_options(request_.method, calibration_->camera);
-  engine_ = std::make_shared<flies::Engine>(calibration_->camera, options_, following_, request_.classifier);
-  run_record_ = record_of(options_);
-  say_run(*run_record_);
+  for (const auto& note : fit_options()) say(note);
   return true;
 }
 
-std::shared_ptr<const flies::RunRecord> LiveRun::record_of(const flies::DetectorOptions& options) const {
-  return run_record(request_.method, options, calibration_->camera, request_.calib);
+/// To the camera, and what was set meanwhile on top; the first worker is made so.
+/// @returns what of it is not allowed with this camera
+std::vector<std::string> LiveRun::fit_options() {
+  std::vector<std::string> refusals;
+  const std::lock_guard lock(mutex_);
+  options_ = effective_options(request_.method, calibration_->camera);
+  for (const auto& [path, text] : early_settings_) {
+    try {
+      options_ = with_option(options_, path, text);
+    } catch (const flies::InputError& error) {
+      refusals.emplace_back(error.what());
+    }
+  }
+  options_changed_ = false;
+  worker_ = new_worker(options_, preset_, following_, next_number_);
+  say_run(*worker_->record);
+  return refusals;
+}
+
+std::shared_ptr<const LiveRun::Worker> LiveRun::new_worker(const flies::DetectorOptions& options,
+                                                           const std::string& preset,
+                                                           const flies::TrackerOptions& following,
+                                                           std::uint64_t first_number) const {
+  const auto& camera = calibration_->camera;
+  auto worker = std::make_shared<Worker>();
+  worker->engine = std::make_unique<flies::Engine>(camera, options, following, request_.classifier);
+  worker->options = std::make_shared<const flies::DetectorOptions>(options);
+  worker->preset = preset;
+  worker->record = run_record(request_.method, options, camera, request_.calib);
+  worker->first_number = first_number;
+  return worker;
 }
 
 std::shared_ptr<LivePair> LiveRun::prepare(flies::StereoFrame frame) {
@@ -150,34 +182,33 @@ std::shared_ptr<LivePair> LiveRun::prepare(flies::StereoFrame frame) {
   return pair;
 }
 
-void LiveRun::renew_engine_if_asked() {
+void LiveRun::renew_worker_if_asked(std::uint64_t next_number) {
   std::unique_lock lock(mutex_);
   if (!std::exchange(options_changed_, false)) return;
   const auto options = options_;
+  const auto preset = preset_;
   const auto following = following_;
   lock.unlock();
-  auto engine = std::make_shared<flies::Engine>(calibration_->camera, options, following, request_.classifier);
-  const auto record = record_of(options);
+  auto worker = new_worker(options, preset, following, next_number);
   lock.lock();
-  std::swap(engine_, engine);
-  run_record_ = record;
+  std::swap(worker_, worker);
   handed_on_ = 0;
   lock.unlock();  // the old engine ends outside of the lock
 }
 
 /// @param is_awaited no pair may overtake this one
 void LiveRun::submit(std::shared_ptr<LivePair> pair, bool is_awaited) {
-  renew_engine_if_asked();
-  std::shared_ptr<flies::Engine> engine;
+  renew_worker_if_asked(pair->number);
+  std::shared_ptr<const Worker> worker;
   std::uint64_t before = 0;
   {
     const std::lock_guard lock(mutex_);
-    engine = engine_;
+    worker = worker_;
     before = handed_on_;
     recent_.push_back(pair);
     if (recent_.size() > kRecentPairs) recent_.erase(recent_.begin());
   }
-  engine->submit(pair->images.view(), pair->time_s);
+  worker->engine->submit(pair->images.view(), pair->time_s);
   if (!is_awaited) return;
   std::unique_lock lock(mutex_);
   while (handed_on_ <= before && !failure_ && !is_end_requested()) changed_.wait_for(lock, 100ms);
@@ -189,42 +220,60 @@ std::shared_ptr<const LivePair> LiveRun::pair_at(double time_s) {
   return found == recent_.end() ? nullptr : *found;
 }
 
-void LiveRun::hand_on_results(const std::shared_ptr<flies::Engine>& engine, std::uint64_t& last) {
-  const auto snapshot = engine->wait_for_next(last, 50ms);
-  if (snapshot->number == last) return;
-  last = snapshot->number;
+std::shared_ptr<const LiveRun::Worker> LiveRun::worker_unless_ending() {
+  const std::lock_guard lock(mutex_);
+  return is_ending_ ? nullptr : worker_;
+}
+
+void LiveRun::go_on_with(std::shared_ptr<const Worker> worker) {
+  dropped_before_ = worker->first_number - results_;
+  ids_before_ = highest_id_;
+  last_result_ = 0;
+  handing_worker_ = std::move(worker);
+}
+
+/// A result as if there had been one engine all along: dropped pairs are counted on, no number is given to two tracks.
+std::shared_ptr<const flies::Snapshot> LiveRun::continued(
+    const std::shared_ptr<const flies::Snapshot>& snapshot) const {
+  if (dropped_before_ == 0 && ids_before_ == 0) return snapshot;
+  auto result = std::make_shared<flies::Snapshot>(*snapshot);
+  result->dropped += dropped_before_;
+  for (auto& track : result->tracking.tracks) track.id += ids_before_;
+  return result;
+}
+
+void LiveRun::hand_on_results() {
+  const auto result = handing_worker_->engine->wait_for_next(last_result_, 50ms);
+  if (result->number == last_result_) return;
+  const auto snapshot = continued(result);
+  results_ += snapshot->number - last_result_;
+  last_result_ = snapshot->number;
   if (!snapshot->error.empty() && !std::exchange(error_told_, true)) say(snapshot->error);
   const auto pair = pair_at(snapshot->tracking.time_s);
   if (pair && snapshot->error.empty()) {
     pose_ = moved(pose_, snapshot->tracking.ego);
-    LiveFrame frame{
-        .pair = pair, .snapshot = snapshot, .camera = calibration_->camera, .pose = pose_, .began_ns = began_ns_};
-    {
-      const std::lock_guard lock(mutex_);
-      frame.seed = options_.seed;
-      frame.preset = preset_;
-      frame.run = run_record_;
-    }
+    for (const auto& track : snapshot->tracking.tracks) highest_id_ = std::max(highest_id_, track.id);
+    const LiveFrame frame{.pair = pair,
+                          .snapshot = snapshot,
+                          .camera = calibration_->camera,
+                          .pose = pose_,
+                          .options = handing_worker_->options,
+                          .preset = handing_worker_->preset,
+                          .run = handing_worker_->record,
+                          .began_ns = began_ns_};
     for (LiveSink* sink : sinks_) sink->take(frame);
   }
   const std::lock_guard lock(mutex_);
-  if (engine == engine_) handed_on_ = last;
+  if (handing_worker_ == worker_) handed_on_ = last_result_;
   changed_.notify_all();
 }
 
 /// The thread that hands results to the sinks.
 void LiveRun::hand_on() {
-  std::shared_ptr<flies::Engine> engine;
-  std::uint64_t last = 0;
   try {
-    while (true) {
-      {
-        const std::lock_guard lock(mutex_);
-        if (is_ending_) return;
-        if (engine != engine_) last = 0;
-        engine = engine_;
-      }
-      hand_on_results(engine, last);
+    while (auto worker = worker_unless_ending()) {
+      if (worker != handing_worker_) go_on_with(std::move(worker));
+      hand_on_results();
     }
   } catch (...) {
     const std::lock_guard lock(mutex_);
@@ -243,7 +292,7 @@ void LiveRun::finish() {
   const auto until = std::chrono::steady_clock::now() + 5s;
   std::unique_lock lock(mutex_);
   while (!failure_ && std::chrono::steady_clock::now() < until) {
-    const auto snapshot = engine_->snapshot();
+    const auto snapshot = worker_->engine->snapshot();
     const bool is_done = snapshot->number == handed_on_ && !recent_.empty() &&
                          (snapshot->tracking.time_s >= recent_.back()->time_s || !snapshot->error.empty());
     if (is_done) break;
@@ -302,10 +351,8 @@ void LiveRun::set_option(const std::string& path, const std::string& text) {
   if (path.starts_with("ego.") || path.starts_with("track.")) {
     flies::set_option(following_, path, text, "options");
   } else {
-    auto options = options_;
-    flies::set_option(options, path, text, "options");
-    flies::check_detector_options(options, "options");
-    options_ = options;
+    options_ = with_option(options_, path, text);
+    if (!worker_) early_settings_.emplace_back(path, text);
     preset_ = "custom";
   }
   options_changed_ = true;

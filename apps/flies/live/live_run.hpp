@@ -17,6 +17,7 @@
 #include "flies/video/pair_stream.hpp"
 #include "live/live_frame.hpp"
 #include "shared/camera_arguments.hpp"
+#include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/run_diagnosis.hpp"
 
@@ -47,25 +48,40 @@ class LiveRun {
   void step();  ///< one pair more while paused
   bool is_paused() const;
 
-  /// From the next pair on. Following begins anew then.
+  /// From the next pair on. Following begins anew then. What is set while the camera is not known yet counts more than
+  /// what fits the camera.
   /// @throws flies::InputError when there is no such option or its value is not allowed
   void set_option(const std::string& path, const std::string& text);
-  flies::DetectorOptions options() const;
+  flies::DetectorOptions options() const;  ///< fitted to the camera once it is known
   flies::TrackerOptions following() const;
 
   flies::PairStreamCounts source_counts() const;
 
  private:
+  /// An engine and what it was made with.
+  struct Worker {
+    std::unique_ptr<flies::Engine> engine;
+    std::shared_ptr<const flies::DetectorOptions> options;
+    std::string preset;
+    std::shared_ptr<const flies::RunRecord> record;
+    std::uint64_t first_number = 0;  ///< of its pairs
+  };
+
   void say(const std::string& sentence);
   bool wait_for_pair(flies::StereoFrame& frame);
-  std::shared_ptr<const flies::RunRecord> record_of(const flies::DetectorOptions& options) const;
+  std::shared_ptr<const Worker> new_worker(const flies::DetectorOptions& options, const std::string& preset,
+                                           const flies::TrackerOptions& following, std::uint64_t first_number) const;
+  std::vector<std::string> fit_options();
   bool begin(std::vector<flies::StereoFrame>& first);
   void calibrate(const flies::StereoFrame& frame);
   std::shared_ptr<LivePair> prepare(flies::StereoFrame frame);
   void submit(std::shared_ptr<LivePair> pair, bool is_awaited);
-  void renew_engine_if_asked();
+  void renew_worker_if_asked(std::uint64_t next_number);
   void hand_on();
-  void hand_on_results(const std::shared_ptr<flies::Engine>& engine, std::uint64_t& last);
+  std::shared_ptr<const Worker> worker_unless_ending();
+  void go_on_with(std::shared_ptr<const Worker> worker);
+  void hand_on_results();
+  std::shared_ptr<const flies::Snapshot> continued(const std::shared_ptr<const flies::Snapshot>& snapshot) const;
   std::shared_ptr<const LivePair> pair_at(double time_s);
   void rethrow_failure();
   void finish();
@@ -81,18 +97,24 @@ class LiveRun {
 
   mutable std::mutex mutex_;  ///< of all below
   std::condition_variable changed_;
-  std::shared_ptr<flies::Engine> engine_;
-  flies::DetectorOptions options_;                      ///< as the user set them, then fitted to the camera
-  std::string preset_;                                  ///< name of what the user set, without what fits the camera
-  std::shared_ptr<const flies::RunRecord> run_record_;  ///< of the present engine
+  std::shared_ptr<const Worker> worker_;  ///< none until the camera is known
+  flies::DetectorOptions options_;        ///< as the user set them, then fitted to the camera
+  Overrides early_settings_;              ///< by `set_option` before that
+  std::string preset_;                    ///< name of what the user set, without what fits the camera
   flies::TrackerOptions following_;
   bool options_changed_ = false;
   bool is_paused_ = false, is_ending_ = false;
   int steps_ = 0;
   std::vector<std::shared_ptr<const LivePair>> recent_;  ///< the newest last
-  std::uint64_t handed_on_ = 0;                          ///< results of the present engine
+  std::uint64_t handed_on_ = 0;                          ///< results of the present worker
   flies::PairStreamCounts source_counts_;
   std::exception_ptr failure_;
-  bool error_told_ = false;  ///< this and the next are of the handing thread
+
+  std::shared_ptr<const Worker> handing_worker_;   ///< this and the next are of the handing thread
+  std::uint64_t last_result_ = 0;                  ///< of that worker
+  std::uint64_t results_ = 0;                      ///< of all workers
+  std::uint64_t dropped_before_ = 0;               ///< pairs, by the workers before
+  std::uint64_t ids_before_ = 0, highest_id_ = 0;  ///< of tracks
+  bool error_told_ = false;
   GroundPose pose_;
 };

@@ -45,6 +45,7 @@ void LiveStatus::finish(const flies::PairStreamCounts& source) const {
     if (count > 0) line += fmt::format("; {}: {}", what, count);
   };
   add(source.broken, "broken pictures");
+  add(source.skipped, "pictures overtaken unread");
   add(source.unpaired, "pictures without a partner");
   add(source.losses, "source gone");
   std::fprintf(stderr, "%sflies: %s\n", is_visible_ ? "\r\033[K" : "", line.c_str());

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/quantile.hpp"
 #include "live/live_outputs.hpp"
 #include "live/view_files.hpp"
 #include "live/view_state.hpp"
@@ -84,6 +85,7 @@ void View::take(const LiveFrame& frame) {
   const auto now = Clock::now();
   {
     const std::lock_guard lock(mutex_);
+    if (recent_.empty() || recent_.back().options != frame.options) ++changes_;
     recent_.push_back(frame);
     if (recent_.size() > kRecent) recent_.pop_front();
     samples_.push_back({now, frame.snapshot->latency_ms});
@@ -137,12 +139,11 @@ flies::WebAnswer View::state(const flies::WebRequest& request) {
   const LiveFrame frame = recent_.back();
   std::vector<double> latencies;
   for (const auto& sample : samples_) latencies.push_back(sample.latency_ms);
-  std::ranges::sort(latencies);
   const std::chrono::duration<double> over = samples_.back().time - samples_.front().time;
   ViewRates rates;
   if (over.count() > 0.0) rates.pairs_hz = static_cast<double>(samples_.size() - 1) / over.count();
-  rates.latency_ms = latencies[latencies.size() / 2];
-  rates.latency_p99_ms = latencies[latencies.size() * 99 / 100];
+  rates.latency_ms = *flies::median(latencies);
+  rates.latency_p99_ms = flies::quantile(latencies, 0.99);
   const auto source = run_ != nullptr ? run_->source_counts() : flies::PairStreamCounts{};
   lock.unlock();
   state.update(view_frame(frame));
@@ -179,12 +180,11 @@ flies::WebAnswer View::report(const flies::WebRequest& request) {
   const auto frame = frame_of(request);
   if (!frame) return fault(404, "This pair is no longer there.");
   std::vector<std::string> notes;
-  std::string options;
   {
     const std::lock_guard lock(mutex_);
     notes = notes_;
-    if (run_ != nullptr) options = options_file_text(run_->options(), frame->run->people_model);
   }
+  const std::string options = options_file_text(*frame->options, frame->run->people_model);
   return {.type = "application/zip",
           .body = view_report(*frame, options, notes),
           .headers = {

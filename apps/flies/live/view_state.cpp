@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "flies/core/free_space.hpp"
+#include "flies/core/mat_view.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/image_codecs.hpp"
 #include "flies/io/zip_archive.hpp"
@@ -49,8 +50,7 @@ Json free_polygons_px(const LiveFrame& frame) {
 }
 
 std::string png(const flies::GrayImage& image) {
-  const cv::Mat pixels(image.height_px, image.width_px, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
-  const auto bytes = flies::encode_png(pixels);
+  const auto bytes = flies::encode_png(flies::mat_of(image.view()));
   return {bytes.begin(), bytes.end()};
 }
 

@@ -13,6 +13,7 @@
 #include <websocketpp/server.hpp>
 
 #include "flies/core/error.hpp"
+#include "flies/core/little_endian.hpp"
 
 namespace flies {
 namespace {
@@ -25,18 +26,16 @@ constexpr const char* kProtocol = "foxglove.websocket.v1";
 constexpr std::size_t kMostWaiting = 8U << 20;  // bytes: a client that far behind misses messages
 constexpr std::uint8_t kMessageData = 1;
 
-void put(std::string& out, std::uint64_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFFU));
-}
-
 // This file is C++17: see CMakeLists.txt.
 bool starts_with(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
 
 /// A browser page of another site must not read along: it says where it comes from.
 bool is_allowed_origin(const std::string& origin) {
   if (origin.empty()) return true;  // no browser
-  for (const char* known : {"https://app.foxglove.dev", "https://studio.foxglove.dev", "file://", "app://"})
-    if (starts_with(origin, known)) return true;
+  for (const char* site : {"https://app.foxglove.dev", "https://studio.foxglove.dev"})
+    if (origin == site) return true;
+  for (const char* program : {"file://", "app://"})
+    if (starts_with(origin, program)) return true;
   for (const char* host : {"http://localhost", "http://127.0.0.1"})
     if (origin == host || starts_with(origin, std::string(host) + ":")) return true;
   return false;
@@ -217,9 +216,9 @@ void FoxgloveServer::send(std::size_t channel, std::uint64_t time_ns, const std:
   for (const auto& [client, id] : receivers) {
     std::string bytes;
     bytes.reserve(1 + 4 + 8 + message.size());
-    put(bytes, kMessageData, 1);
-    put(bytes, id, 4);
-    put(bytes, time_ns, 8);
+    put_number(bytes, kMessageData, 1);
+    put_number(bytes, id, 4);
+    put_number(bytes, time_ns, 8);
     bytes += message;
     state_->send_to(client, bytes);
   }

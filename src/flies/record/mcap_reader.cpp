@@ -13,6 +13,27 @@
 namespace flies {
 using namespace mcap;
 
+namespace {
+
+/// A chunk with its head. Longer records are taken for damaged ones.
+constexpr std::uint64_t kLargestRecord_bytes = kLargestChunk_bytes + 1024;
+
+/// Whether `McapReader` looks into records of this kind; indexes, attachments and the like may be of any length.
+bool is_used(std::uint8_t opcode) {
+  switch (static_cast<Opcode>(opcode)) {
+    case Opcode::schema:
+    case Opcode::channel:
+    case Opcode::message:
+    case Opcode::chunk:
+    case Opcode::data_end:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
 void McapReader::complain(const std::string& what) const { throw InputError(path_, "", what); }
 
 McapReader::McapReader(const std::string& path) : path_(path), file_(path, std::ios::binary) {
@@ -83,16 +104,20 @@ std::optional<RecordedMessage> McapReader::take(const Record& record, const Mess
   return std::nullopt;
 }
 
-/// Nothing where the file ends before the record does: its writer was killed, or it is damaged.
+/// Nothing where the file ends before the record does: its writer was killed, or it is damaged. Nothing, too, where a
+/// record is longer than any can be.
 std::optional<McapReader::Record> McapReader::read_record(std::uint64_t position) {
   std::string head(kRecordHead, '\0');
   file_.clear();
   file_.seekg(static_cast<std::streamoff>(position));
   if (size_ - position < kRecordHead || !file_.read(head.data(), kRecordHead)) return std::nullopt;
   ByteTaker taker(head);
-  Record record{static_cast<std::uint8_t>(taker.number(1)), {}};
+  const auto opcode = static_cast<std::uint8_t>(taker.number(1));
   const std::uint64_t length = taker.number(8);
   if (length > size_ - position - kRecordHead) return std::nullopt;
+  Record record{opcode, {}, kRecordHead + length};
+  if (!is_used(opcode)) return record;
+  if (length > kLargestRecord_bytes) return std::nullopt;
   record.content.resize(length);
   if (!file_.read(record.content.data(), static_cast<std::streamsize>(length))) return std::nullopt;
   return record;
@@ -101,11 +126,13 @@ std::optional<McapReader::Record> McapReader::read_record(std::uint64_t position
 std::optional<McapReader::Record> McapReader::next_in_chunk(Chunk& chunk) const {
   if (chunk.position >= chunk.records.size()) return std::nullopt;
   ByteTaker taker(std::string_view(chunk.records).substr(chunk.position));
-  Record record{static_cast<std::uint8_t>(taker.number(1)), {}};
+  Record record;
+  record.opcode = static_cast<std::uint8_t>(taker.number(1));
   record.content = std::string(taker.take(taker.number(8)));
+  record.length = kRecordHead + record.content.size();
   if (!taker.is_good) complain("a chunk is damaged");
   if (static_cast<Opcode>(record.opcode) == Opcode::chunk) complain("a chunk holds another");
-  chunk.position += kRecordHead + record.content.size();
+  chunk.position += record.length;
   return record;
 }
 
@@ -119,7 +146,7 @@ std::optional<RecordedMessage> McapReader::next() {
     const auto record = read_record(position_);
     if (!record) break;
     const MessagePlace outside{position_, 0};
-    position_ += kRecordHead + record->content.size();
+    position_ += record->length;
     if (auto message = take(*record, outside)) return message;
   }
   has_ended_ = true;

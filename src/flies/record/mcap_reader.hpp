@@ -34,7 +34,8 @@ class McapReader final : public RecordingReader {
   };
   struct Record {
     std::uint8_t opcode = 0;
-    std::string content;
+    std::string content;       ///< empty where the record is not used
+    std::uint64_t length = 0;  ///< of the record with its head
   };
 
   std::optional<Record> read_record(std::uint64_t position);

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "flies/core/little_endian.hpp"
+
 /// What MCAP files (https://mcap.dev/spec) are made of; not installed. All numbers are little-endian.
 namespace flies::mcap {
 
@@ -26,24 +28,21 @@ enum class Opcode : std::uint8_t {
 
 inline constexpr std::size_t kRecordHead = 1 + 8;  ///< opcode and length
 
-inline void put(std::string& out, std::uint64_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFFU));
-}
 inline void put_text(std::string& out, std::string_view text) {
-  put(out, text.size(), 4);
+  put_number(out, text.size(), 4);
   out += text;
 }
 inline void put_record(std::string& out, Opcode opcode, std::string_view content) {
-  put(out, static_cast<std::uint8_t>(opcode), 1);
-  put(out, content.size(), 8);
+  put_number(out, static_cast<std::uint8_t>(opcode), 1);
+  put_number(out, content.size(), 8);
   out += content;
 }
 /// A map from 16 to 64 bits, by its length in bytes.
 inline void put_map(std::string& out, const std::map<std::uint16_t, std::uint64_t>& map) {
-  put(out, map.size() * 10, 4);
+  put_number(out, map.size() * 10, 4);
   for (const auto& [key, value] : map) {
-    put(out, key, 2);
-    put(out, value, 8);
+    put_number(out, key, 2);
+    put_number(out, value, 8);
   }
 }
 

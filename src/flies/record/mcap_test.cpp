@@ -5,12 +5,14 @@
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include "flies/core/error.hpp"
 #include "flies/io/temporary_folder.hpp"
 #include "flies/record/mcap_reader.hpp"
+#include "flies/record/mcap_records.hpp"
 #include "flies/record/mcap_writer.hpp"
 
 namespace flies {
@@ -115,6 +117,36 @@ TEST(Mcap, DamagedFilesAreToldOrReadInPart) {
     }
   }
   EXPECT_GT(told, 10);
+}
+
+/// The beginning of a recording, a record of a tebibyte of which nothing is stored, and the rest.
+void write_with_huge_record(const std::string& path, const std::string& good, mcap::Opcode opcode) {
+  constexpr std::uint64_t kLength = std::uint64_t{1} << 40U;
+  std::string head;
+  put_number(head, static_cast<std::uint8_t>(opcode), 1);
+  put_number(head, kLength, 8);
+  std::ofstream file(path, std::ios::binary);
+  file << good.substr(0, mcap::kMagic.size()) << head;
+  file.seekp(static_cast<std::streamoff>(kLength), std::ios::cur);
+  file << good.substr(mcap::kMagic.size());
+}
+
+TEST(Mcap, HugeRecordsAreNotTakenIntoMemory) {
+  const testing::TemporaryFolder folder;
+  write_some(folder.file("t.mcap"), 10);
+  const std::string good = testing::read_all(folder.file("t.mcap")), path = folder.file("huge.mcap");
+  constexpr auto kAttachment = static_cast<mcap::Opcode>(0x09);
+  write_with_huge_record(path, good, kAttachment);
+  std::error_code error;
+  if (std::filesystem::file_size(path, error) < std::uint64_t{1} << 40U)
+    GTEST_SKIP() << "this file system has no files of a tebibyte";
+  bool is_whole = false;
+  EXPECT_EQ(messages_of(path, &is_whole).size(), 10U);
+  EXPECT_TRUE(is_whole);
+
+  write_with_huge_record(path, good, mcap::Opcode::chunk);
+  EXPECT_EQ(messages_of(path, &is_whole).size(), 0U);
+  EXPECT_FALSE(is_whole);
 }
 
 TEST(Mcap, OtherFilesAreRefused) {

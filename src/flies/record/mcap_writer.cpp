@@ -75,7 +75,7 @@ std::string McapWriter::schemas_record() const {
   std::string records;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     std::string schema;
-    put(schema, id_of(i), 2);
+    put_number(schema, id_of(i), 2);
     put_text(schema, channels_[i].schema_name);
     put_text(schema, "jsonschema");
     put_text(schema, channels_[i].schema);
@@ -88,11 +88,11 @@ std::string McapWriter::channels_record() const {
   std::string records;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     std::string channel;
-    put(channel, id_of(i), 2);
-    put(channel, id_of(i), 2);
+    put_number(channel, id_of(i), 2);
+    put_number(channel, id_of(i), 2);
     put_text(channel, channels_[i].topic);
     put_text(channel, "json");
-    put(channel, 0, 4);  // no metadata
+    put_number(channel, 0, 4);  // no metadata
     put_record(records, Opcode::channel, channel);
   }
   return records;
@@ -107,10 +107,10 @@ void McapWriter::write(std::size_t channel, std::uint64_t time_ns, std::string_v
   chunk_end_ns_ = std::max(chunk_end_ns_, time_ns);
   chunk_index_[id_of(channel)].emplace_back(time_ns, chunk_.size());
   std::string content;
-  put(content, id_of(channel), 2);
-  put(content, sequences_[channel]++, 4);
-  put(content, time_ns, 8);  // logged and published at once
-  put(content, time_ns, 8);
+  put_number(content, id_of(channel), 2);
+  put_number(content, sequences_[channel]++, 4);
+  put_number(content, time_ns, 8);  // logged and published at once
+  put_number(content, time_ns, 8);
   content += message;
   put_record(chunk_, Opcode::message, content);
   if (chunk_.size() >= kChunk || chunk_end_ns_ - chunk_start_ns_ >= kLongestChunk_ns) end_chunk();
@@ -120,12 +120,12 @@ void McapWriter::end_chunk() {
   if (chunk_.empty()) return;
   const std::string packed = compressed(chunk_);
   std::string content, records;
-  put(content, chunk_start_ns_, 8);
-  put(content, chunk_end_ns_, 8);
-  put(content, chunk_.size(), 8);
-  put(content, crc32(chunk_), 4);
+  put_number(content, chunk_start_ns_, 8);
+  put_number(content, chunk_end_ns_, 8);
+  put_number(content, chunk_.size(), 8);
+  put_number(content, crc32(chunk_), 4);
   put_text(content, "zstd");
-  put(content, packed.size(), 8);
+  put_number(content, packed.size(), 8);
   content += packed;
   put_record(records, Opcode::chunk, content);
 
@@ -134,24 +134,24 @@ void McapWriter::end_chunk() {
   for (const auto& [id, entries] : chunk_index_) {
     index_offsets[id] = position_ + records.size();
     std::string index;
-    put(index, id, 2);
-    put(index, entries.size() * 16, 4);
+    put_number(index, id, 2);
+    put_number(index, entries.size() * 16, 4);
     for (const auto& [time_ns, offset] : entries) {
-      put(index, time_ns, 8);
-      put(index, offset, 8);
+      put_number(index, time_ns, 8);
+      put_number(index, offset, 8);
     }
     put_record(records, Opcode::message_index, index);
   }
   std::string index;
-  put(index, chunk_start_ns_, 8);
-  put(index, chunk_end_ns_, 8);
-  put(index, position_, 8);
-  put(index, chunk_length, 8);
+  put_number(index, chunk_start_ns_, 8);
+  put_number(index, chunk_end_ns_, 8);
+  put_number(index, position_, 8);
+  put_number(index, chunk_length, 8);
   put_map(index, index_offsets);
-  put(index, records.size() - chunk_length, 8);
+  put_number(index, records.size() - chunk_length, 8);
   put_text(index, "zstd");
-  put(index, packed.size(), 8);
-  put(index, chunk_.size(), 8);
+  put_number(index, packed.size(), 8);
+  put_number(index, chunk_.size(), 8);
   put_record(chunk_indexes_, Opcode::chunk_index, index);
   start_ns_ = chunks_ == 0 ? chunk_start_ns_ : std::min(start_ns_, chunk_start_ns_);
   end_ns_ = std::max(end_ns_, chunk_end_ns_);
@@ -163,14 +163,14 @@ void McapWriter::end_chunk() {
 
 std::string McapWriter::statistics_record() const {
   std::string content, record;
-  put(content, std::accumulate(sequences_.begin(), sequences_.end(), std::uint64_t{0}), 8);
-  put(content, channels_.size(), 2);
-  put(content, channels_.size(), 4);
-  put(content, 0, 4);  // attachments
-  put(content, 0, 4);  // metadata
-  put(content, chunks_, 4);
-  put(content, start_ns_, 8);
-  put(content, end_ns_, 8);
+  put_number(content, std::accumulate(sequences_.begin(), sequences_.end(), std::uint64_t{0}), 8);
+  put_number(content, channels_.size(), 2);
+  put_number(content, channels_.size(), 4);
+  put_number(content, 0, 4);  // attachments
+  put_number(content, 0, 4);  // metadata
+  put_number(content, chunks_, 4);
+  put_number(content, start_ns_, 8);
+  put_number(content, end_ns_, 8);
   std::map<std::uint16_t, std::uint64_t> counts;
   for (std::size_t i = 0; i < channels_.size(); ++i)
     if (sequences_[i] > 0) counts[id_of(i)] = sequences_[i];
@@ -184,7 +184,7 @@ void McapWriter::close() {
   if (descriptor_ < 0) return;
   end_chunk();
   std::string end, content;
-  put(content, 0, 4);  // no checksum of the data: its chunks have theirs
+  put_number(content, 0, 4);  // no checksum of the data: its chunks have theirs
   put_record(end, Opcode::data_end, content);
   append(end);
 
@@ -193,9 +193,9 @@ void McapWriter::close() {
   const auto add_group = [&](Opcode opcode, const std::string& records) {
     if (records.empty()) return;
     std::string offset;
-    put(offset, static_cast<std::uint8_t>(opcode), 1);
-    put(offset, summary_start + summary.size(), 8);
-    put(offset, records.size(), 8);
+    put_number(offset, static_cast<std::uint8_t>(opcode), 1);
+    put_number(offset, summary_start + summary.size(), 8);
+    put_number(offset, records.size(), 8);
     put_record(offsets, Opcode::summary_offset, offset);
     summary += records;
   };
@@ -205,11 +205,11 @@ void McapWriter::close() {
   add_group(Opcode::chunk_index, chunk_indexes_);
   const std::uint64_t offsets_start = summary_start + summary.size();
   std::string tail = summary + offsets;
-  put(tail, static_cast<std::uint8_t>(Opcode::footer), 1);
-  put(tail, 8 + 8 + 4, 8);
-  put(tail, summary_start, 8);
-  put(tail, offsets_start, 8);
-  put(tail, crc32(tail), 4);
+  put_number(tail, static_cast<std::uint8_t>(Opcode::footer), 1);
+  put_number(tail, 8 + 8 + 4, 8);
+  put_number(tail, summary_start, 8);
+  put_number(tail, offsets_start, 8);
+  put_number(tail, crc32(tail), 4);
   append(tail + std::string(kMagic));
   if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);  // some file systems tell of a full disk only here
 }

@@ -23,6 +23,8 @@ constexpr double kUsualRate_hz = 10.0;
 constexpr int kMostThreads = 4;           // threads of a source that is stuck in the driver cannot be ended
 constexpr double kToldAgainAfter_s = 60;  // what keeps failing is not told every time
 constexpr double kFrozen_s = 2.0;
+constexpr double kMostPatience = 8.0;  // times `stuck_s`
+constexpr std::size_t kUsualSteps = 10;
 
 Clock::duration duration(double seconds) { return std::chrono::duration_cast<Clock::duration>(Seconds(seconds)); }
 
@@ -43,18 +45,27 @@ struct FrameStream::State {
   std::deque<SourceFrame> waiting;
   FrameStreamCounts counts;
   bool has_ended = false, is_ending = false;
-  int generation = 0;  ///< of the thread that counts; older ones are stuck
+  int generation = 0;  ///< of the thread that counts; older ones are stuck, or about to end
   int threads = 0;
   Clock::time_point last_sign;  ///< of life
+  bool is_open = true;
+  double patience_s = 0.0;  ///< without a frame for so long it is stuck
   bool is_lost = false, loss_told = false;
   Clock::time_point lost_told = Clock::time_point::min();
-  bool broken_told = false, frozen_told = false;
+  bool broken_told = false, frozen_told = false, threads_told = false;
 
   bool is_over(int mine) const { return is_ending || generation != mine; }
 
   void say(const std::string& sentence) {
     const std::lock_guard lock(tell_mutex);
     if (!is_deaf) tell(sentence);
+  }
+
+  void say_if_possible(const std::string& sentence) noexcept {
+    try {
+      say(sentence);
+    } catch (...) {  // the thread ends, and nobody else is there to be told
+    }
   }
 
   /// @returns false when it is time to end
@@ -65,8 +76,8 @@ struct FrameStream::State {
 
   void lose(std::unique_lock<std::mutex>& lock, const std::string& what) {
     ++counts.losses;
-    is_lost = true;
-    loss_told = false;
+    is_open = false;
+    if (!std::exchange(is_lost, true)) loss_told = false;
     const auto now = Clock::now();
     if (lost_told != Clock::time_point::min() && Seconds(now - lost_told).count() < kToldAgainAfter_s) return;
     lost_told = now;
@@ -78,14 +89,37 @@ struct FrameStream::State {
 
   /// A source that is back after it was lost says so where the loss was told.
   void find(std::unique_lock<std::mutex>& lock) {
+    patience_s = options.stuck_s;
     if (!std::exchange(is_lost, false) || !loss_told) return;
     lock.unlock();
     say(fmt::format("{}: is back", options.name));
     lock.lock();
   }
 
-  void end() {
+  /// @returns false when it is time to end
+  bool note_open(int mine) {
     const std::lock_guard lock(mutex);
+    if (is_over(mine)) return false;
+    is_open = true;
+    last_sign = Clock::now();
+    return true;
+  }
+
+  bool is_stuck() const {
+    return options.is_living && is_open && Seconds(Clock::now() - last_sign).count() > patience_s;
+  }
+
+  void tell_threads(std::unique_lock<std::mutex>& lock) {
+    if (std::exchange(threads_told, true)) return;
+    lock.unlock();
+    say(fmt::format("{}: hangs in {} attempts to read it; it is opened again when one of them ends", options.name,
+                    kMostThreads));
+    lock.lock();
+  }
+
+  void end(int mine) {
+    const std::lock_guard lock(mutex);
+    if (generation != mine) return;
     has_ended = true;
     came.notify_all();
   }
@@ -97,20 +131,21 @@ namespace {
 template <class State>
 class Reading {
  public:
-  Reading(std::shared_ptr<State> state, int generation) : state_(std::move(state)), mine_(generation) {}
+  Reading(std::shared_ptr<State> state, int generation, Clock::time_point began)
+      : state_(std::move(state)), mine_(generation), began_(began) {}
 
   void run(std::unique_ptr<FrameReader> reader) {
     const FrameStreamOptions& options = state_->options;
     double pause_s = options.first_pause_s;
     while (true) {
       if (reader) {
-        const auto before = frames_;
+        const auto before = usable_;
         read_all(*reader);
         reader.reset();
         if (is_over()) return;
-        if (frames_ > before) pause_s = options.first_pause_s;
+        if (usable_ > before) pause_s = options.first_pause_s;
         if (!options.is_living) {
-          if (!options.is_looped || frames_ == before) return state_->end();
+          if (!options.is_looped || usable_ == before) return state_->end(mine_);
           offset_ += index_;
           index_ = 0;
         } else {
@@ -122,10 +157,11 @@ class Reading {
       pause_s = std::min(2.0 * pause_s, options.longest_pause_s);
       try {
         reader = state_->open();
+        if (!state_->note_open(mine_)) return;
       } catch (const InputError& error) {
         if (!options.is_living) {
           state_->say(error.what());
-          return state_->end();
+          return state_->end(mine_);
         }
       }
     }
@@ -148,23 +184,35 @@ class Reading {
         tell_broken(error.what());
       }
       const auto arrived = Clock::now();
-      frame.time_s = state_->options.is_living ? Seconds(arrived - state_->began).count() : file_time_s(reader);
+      if (state_->options.is_living)
+        stamp_living(frame, Seconds(arrived - began_).count());
+      else
+        stamp_file(frame, reader);
       if (!is_broken) watch_frozen(frame);
       if (!state_->options.is_living && !keep_time(frame.time_s)) return;
       if (!deliver(std::move(frame), is_broken)) return;
     }
   }
 
-  double file_time_s(const FrameReader& reader) {
+  void stamp_living(SourceFrame& frame, double time_s) {
+    frame.time_s = time_s;
+    arrivals_s_.push_back(time_s);
+    if (arrivals_s_.size() == 1) return;
+    if (arrivals_s_.size() > kUsualSteps + 1) arrivals_s_.pop_front();
+    frame.step_s = (arrivals_s_.back() - arrivals_s_.front()) / static_cast<double>(arrivals_s_.size() - 1);
+  }
+
+  void stamp_file(SourceFrame& frame, const FrameReader& reader) {
     double rate_hz = state_->options.rate_hz > 0.0 ? state_->options.rate_hz : reader.rate_hz();
     if (!(rate_hz > 0.0)) rate_hz = kUsualRate_hz;
-    return static_cast<double>(offset_ + index_++) / rate_hz;
+    frame.time_s = static_cast<double>(offset_ + index_++) / rate_hz;
+    frame.step_s = 1.0 / rate_hz;
   }
 
   /// Waits until a frame of a file is due.
   bool keep_time(double time_s) {
     if (state_->options.is_patient) return !is_over();
-    const auto due = state_->began + duration(time_s) + late_;
+    const auto due = began_ + duration(time_s) + late_;
     const auto now = Clock::now();
     if (due > now) return state_->pause(mine_, Seconds(due - now).count());
     late_ += now - due;  // a film that could not be read in time, or was paused, goes on from there
@@ -174,13 +222,13 @@ class Reading {
   bool deliver(SourceFrame frame, bool is_broken) {
     std::unique_lock lock(state_->mutex);
     if (state_->is_over(mine_)) return false;
-    ++frames_;
     ++state_->counts.frames;
     state_->last_sign = Clock::now();
     if (is_broken) {
       ++state_->counts.broken;
       return true;
     }
+    ++usable_;
     state_->find(lock);
     if (!state_->options.is_living) {
       // A film that waits, because it is paused or for the first calibration, is not to come in a burst afterwards.
@@ -224,9 +272,11 @@ class Reading {
 
   std::shared_ptr<State> state_;
   int mine_;
-  std::uint64_t frames_ = 0;
+  Clock::time_point began_;
+  std::uint64_t usable_ = 0;
   std::uint64_t index_ = 0, offset_ = 0;  ///< of a file's frame, and the frames of the rounds before
   Clock::duration late_{};
+  std::deque<double> arrivals_s_;  ///< the last ones
   GrayImage last_;
   double changed_s_ = 0.0;
 };
@@ -234,12 +284,12 @@ class Reading {
 /// The thread holds the state: a stuck one outlives the stream.
 template <class State>
 void start_thread(const std::shared_ptr<State>& state, std::unique_ptr<FrameReader> reader, int generation) {
-  std::thread([state, generation, own = std::move(reader)]() mutable {
+  std::thread([state, generation, began = state->began, own = std::move(reader)]() mutable {
     try {
-      Reading(state, generation).run(std::move(own));
+      Reading(state, generation, began).run(std::move(own));
     } catch (const std::exception& error) {
-      state->say(fmt::format("{}: {}", state->options.name, error.what()));
-      state->end();
+      state->say_if_possible(state->options.name + ": " + error.what());
+      state->end(generation);
     }
     const std::lock_guard lock(state->mutex);
     --state->threads;
@@ -254,6 +304,7 @@ FrameStream::FrameStream(OpenReader open, FrameStreamOptions options, Tell tell,
   auto reader = open();
   state_->open = std::move(open);
   state_->options = std::move(options);
+  state_->patience_s = state_->options.stuck_s;
   state_->tell = std::move(tell);
   state_->began = began;
   state_->last_sign = Clock::now();
@@ -282,17 +333,29 @@ FrameStream::Answer FrameStream::next(SourceFrame& frame, std::chrono::milliseco
     return Answer::frame;
   }
   if (state_->has_ended) return Answer::ended;
-  const auto& options = state_->options;
-  const bool is_stuck =
-      options.is_living && !state_->is_lost && Seconds(Clock::now() - state_->last_sign).count() > options.stuck_s;
-  if (is_stuck && state_->threads < kMostThreads) {
-    state_->last_sign = Clock::now();
-    const int generation = ++state_->generation;
-    ++state_->threads;
-    state_->lose(lock, fmt::format("has given no picture for {:g} s", options.stuck_s));
-    start_thread(state_, nullptr, generation);
+  if (!state_->is_stuck()) return Answer::nothing_yet;
+  if (state_->threads >= kMostThreads) {
+    state_->tell_threads(lock);
+    return Answer::nothing_yet;
   }
+  const double waited_s = state_->patience_s;
+  state_->patience_s = std::min(2.0 * waited_s, kMostPatience * state_->options.stuck_s);
+  const int generation = ++state_->generation;
+  ++state_->threads;
+  state_->lose(lock, fmt::format("has given no picture for {:g} s", waited_s));
+  start_thread(state_, nullptr, generation);
   return Answer::nothing_yet;
+}
+
+void FrameStream::restart(Clock::time_point began) {
+  const std::lock_guard lock(state_->mutex);
+  state_->began = began;
+  state_->waiting.clear();
+  state_->has_ended = false;
+  const int generation = ++state_->generation;
+  ++state_->threads;
+  state_->taken.notify_all();
+  start_thread(state_, nullptr, generation);
 }
 
 FrameStreamCounts FrameStream::counts() const {

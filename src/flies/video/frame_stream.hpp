@@ -14,6 +14,7 @@ namespace flies {
 struct SourceFrame {
   GrayPair images;    ///< `right` is empty when the source gives single pictures
   double time_s = 0;  ///< since the stream began
+  double step_s = 0;  ///< usual time between pictures of the source; 0: not known yet
   std::string left_name, right_name;
 };
 
@@ -40,7 +41,7 @@ struct FrameStreamOptions {
   bool is_looped = false;   ///< a file: begins again at its end
   bool is_patient = false;  ///< a file: no frame is ever thrown away, and none is waited for
   double rate_hz = 0.0;     ///< a file: frames a second; 0: its own
-  double stuck_s = 5.0;     ///< without a frame for so long a living source is opened anew
+  double stuck_s = 5.0;     ///< without a frame for so long a living source is opened anew; longer when that is in vain
   double first_pause_s = 0.5, longest_pause_s = 5.0;  ///< between attempts to open it
 };
 
@@ -66,6 +67,9 @@ class FrameStream {
   enum class Answer { frame, nothing_yet, ended };
   /// Waits for the next frame.
   Answer next(SourceFrame& frame, std::chrono::milliseconds timeout);
+
+  /// A file begins again now, wherever it was. @param began the moment from which its times count now
+  void restart(std::chrono::steady_clock::time_point began);
 
   FrameStreamCounts counts() const;
 

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -101,6 +103,7 @@ TEST(FrameStream, FileIsReadToItsEndInItsOwnTime) {
   while (stream.next(frame, 1s) == FrameStream::Answer::frame) times.push_back(frame.time_s);
   ASSERT_THAT(times, SizeIs(10));
   EXPECT_NEAR(times[9], 9 / 200.0, 1e-9);
+  EXPECT_NEAR(frame.step_s, 1 / 200.0, 1e-9);
   EXPECT_GE(std::chrono::steady_clock::now() - began, 45ms);
   EXPECT_EQ(stream.next(frame, 0ms), FrameStream::Answer::ended);
   EXPECT_THAT(told.sentences(), SizeIs(0));
@@ -135,6 +138,46 @@ TEST(FrameStream, BrokenFrameIsLeftOutAndToldOnce) {
   EXPECT_THAT(levels_until(stream, 4, FrameStream::Answer::ended), ElementsAre(0, 2, 0, 2));
   EXPECT_GE(stream.counts().broken, 2U);
   EXPECT_THAT(told.sentences(), ElementsAre(HasSubstr("toy: frame: is broken; left out")));
+}
+
+TEST(FrameStream, LoopWithoutAUsableFrameEnds) {
+  Told told;
+  auto options = file_options();
+  options.is_patient = options.is_looped = true;
+  FrameStream stream([] { return std::make_unique<ToyReader>(0, 1, ToyReader::Then::end, 0); }, options, told.tell(),
+                     std::chrono::steady_clock::now());
+  EXPECT_THAT(levels_until(stream, 1, FrameStream::Answer::ended), SizeIs(0));
+  SourceFrame frame;
+  EXPECT_EQ(stream.next(frame, 0ms), FrameStream::Answer::ended);
+  EXPECT_EQ(stream.counts().broken, 1U);
+}
+
+TEST(FrameStream, ListenerThatThrowsEndsTheStreamOnly) {
+  auto options = file_options();
+  options.is_patient = true;
+  const auto tell = [](const std::string&) { throw std::runtime_error("does not listen"); };
+  FrameStream stream([] { return std::make_unique<ToyReader>(0, 3, ToyReader::Then::end, 1); }, options, tell,
+                     std::chrono::steady_clock::now());
+  EXPECT_THAT(levels_until(stream, 3, FrameStream::Answer::ended), ElementsAre(0));
+  SourceFrame frame;
+  EXPECT_EQ(stream.next(frame, 0ms), FrameStream::Answer::ended);
+}
+
+TEST(FrameStream, RestartedFileBeginsAgain) {
+  Told told;
+  auto options = file_options();
+  options.is_patient = true;
+  FrameStream stream([] { return std::make_unique<ToyReader>(0, 9); }, options, told.tell(),
+                     std::chrono::steady_clock::now());
+  EXPECT_THAT(levels_until(stream, 2, FrameStream::Answer::ended), ElementsAre(0, 1));
+  stream.restart(std::chrono::steady_clock::now());
+  SourceFrame frame;
+  ASSERT_EQ(stream.next(frame, 1s), FrameStream::Answer::frame);
+  EXPECT_EQ(frame.images.left.pixels[0], 0);
+  EXPECT_EQ(frame.time_s, 0.0);
+  EXPECT_THAT(levels_until(stream, 20, FrameStream::Answer::ended), SizeIs(8));
+  stream.restart(std::chrono::steady_clock::now());
+  EXPECT_THAT(levels_until(stream, 20, FrameStream::Answer::ended), SizeIs(9));
 }
 
 TEST(FrameStream, LivingSourceThatGoesAwayIsOpenedAgain) {
@@ -177,6 +220,77 @@ TEST(FrameStream, StuckSourceIsOpenedBesideAndEndsAtOnce) {
     EXPECT_THAT(told.sentences().at(0), HasSubstr("toy: has given no picture for 0.1 s"));
   }
   EXPECT_LT(std::chrono::steady_clock::now() - began, 2s);  // the blocked reads take three
+}
+
+TEST(FrameStream, SourceThatHangsAgainIsOpenedAgain) {
+  Told told;
+  std::atomic<int> opened = 0;
+  FrameStream stream(
+      [&] {
+        const int time = opened++;
+        return std::make_unique<ToyReader>(10 * time, time == 1 ? 0 : 1, ToyReader::Then::block);
+      },
+      living_options(), told.tell(), std::chrono::steady_clock::now());
+  EXPECT_THAT(levels_until(stream, 2, FrameStream::Answer::ended), ElementsAre(0, 20));
+  EXPECT_GE(stream.counts().losses, 2U);
+  EXPECT_THAT(told.sentences(), ElementsAre(HasSubstr("toy: has given no picture for 0.1 s"), "toy: is back"));
+}
+
+TEST(FrameStream, TooManyHangingAttemptsAreToldOnce) {
+  Told told;
+  auto options = living_options();
+  options.stuck_s = 0.02;
+  FrameStream stream([] { return std::make_unique<ToyReader>(0, 0, ToyReader::Then::block); }, options, told.tell(),
+                     std::chrono::steady_clock::now());
+  const auto times_told = [&] {
+    const auto sentences = told.sentences();
+    return std::count_if(sentences.begin(), sentences.end(),
+                         [](const auto& sentence) { return sentence.starts_with("toy: hangs in 4 attempts"); });
+  };
+  SourceFrame frame;
+  const auto until = std::chrono::steady_clock::now() + 10s;
+  while (times_told() == 0 && std::chrono::steady_clock::now() < until) stream.next(frame, 10ms);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(stream.next(frame, 10ms), FrameStream::Answer::nothing_yet);
+  EXPECT_EQ(times_told(), 1);
+}
+
+TEST(FrameStream, LateFailureOfAStuckReadingIsNotTheEnd) {
+  class LateFailure final : public FrameReader {
+   public:
+    bool read(SourceFrame&) override {
+      std::this_thread::sleep_for(300ms);
+      throw std::runtime_error("the driver failed");
+    }
+    double rate_hz() const override { return 0.0; }
+  };
+  Told told;
+  std::atomic<int> opened = 0;
+  FrameStream stream(
+      [&]() -> std::unique_ptr<FrameReader> {
+        if (opened++ == 0) return std::make_unique<LateFailure>();
+        auto reader = std::make_unique<ToyReader>(10, 100);
+        reader->pace = 10ms;
+        return reader;
+      },
+      living_options(), told.tell(), std::chrono::steady_clock::now());
+  EXPECT_THAT(levels_until(stream, 60, FrameStream::Answer::ended), SizeIs(60));
+}
+
+TEST(FrameStream, LivingSourceTellsItsUsualStep) {
+  Told told;
+  FrameStream stream(
+      [] {
+        auto reader = std::make_unique<ToyReader>(0, 20, ToyReader::Then::block);
+        reader->pace = 5ms;
+        return reader;
+      },
+      living_options(), told.tell(), std::chrono::steady_clock::now());
+  SourceFrame frame;
+  do {
+    ASSERT_EQ(stream.next(frame, 2s), FrameStream::Answer::frame);
+  } while (frame.images.left.pixels[0] < 15);
+  EXPECT_GE(frame.step_s, 0.004);
+  EXPECT_LT(frame.step_s, frame.time_s);
 }
 
 TEST(FrameStream, LivingSourceGivesTheNewest) {

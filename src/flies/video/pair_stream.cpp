@@ -19,6 +19,8 @@ using Answer = FrameStream::Answer;
 constexpr std::size_t kSkewsToJudge = 30;
 constexpr double kSkewMatters_s = 0.002;
 constexpr std::uint64_t kUnpairedToTell = 10;
+// More than half: pictures half a step apart are not to change partners with every little delay.
+constexpr double kMostSkewInSteps = 0.6;
 
 /// Pictures of one film, device or pipeline.
 class CaptureReader final : public FrameReader {
@@ -39,16 +41,53 @@ class CaptureReader final : public FrameReader {
   std::optional<BayerPattern> bayer_;
 };
 
-FrameStreamOptions stream_options(const PairStreamRequest& request, const std::string& name, bool is_living_source) {
+bool is_living_source(const std::string& source) { return is_living(source_kind(source)); }
+
+bool is_looped_together(const PairStreamRequest& request) {
+  return request.is_looped && request.sources.size() == 2 &&
+         std::none_of(request.sources.begin(), request.sources.end(), is_living_source);
+}
+
+FrameStreamOptions stream_options(const PairStreamRequest& request, const std::string& name, bool lives) {
   FrameStreamOptions options;
   options.name = name;
-  options.is_living = is_living_source;
-  options.is_looped = request.is_looped;
+  options.is_living = lives;
+  options.is_looped = request.is_looped && !is_looped_together(request);
   options.is_patient = request.is_patient;
   options.rate_hz = request.rate_hz;
   options.stuck_s = request.stuck_s;
   options.first_pause_s = request.first_pause_s;
   return options;
+}
+
+OpenReader folder_opener(const PairStreamRequest& request) {
+  constexpr double kUsualRate_hz = 10.0;
+  return [pairs = request.folder, reading = request.reading,
+          rate_hz = request.rate_hz > 0.0 ? request.rate_hz : kUsualRate_hz] {
+    return std::make_unique<PairFolder>(pairs, reading, rate_hz);
+  };
+}
+
+OpenReader capture_opener(const PairStreamRequest& request, const std::string& source) {
+  return [capture = CaptureRequest{.source = source,
+                                   .width_px = request.width_px,
+                                   .height_px = request.height_px,
+                                   .rate_hz = request.rate_hz},
+          bayer = request.reading.bayer] {
+    return std::make_unique<CaptureReader>(open_capture(capture), capture.source, bayer);
+  };
+}
+
+std::vector<OpenReader> openers(const PairStreamRequest& request) {
+  if (!request.folder.empty()) return {folder_opener(request)};
+  std::vector<OpenReader> result;
+  for (const auto& source : request.sources) result.push_back(capture_opener(request, source));
+  return result;
+}
+
+/// The next picture of its source is due nearer to the later one, `skew_s` after this.
+bool has_nearer_successor(const SourceFrame& earlier, double skew_s) {
+  return earlier.step_s > 0.0 && skew_s > kMostSkewInSteps * earlier.step_s;
 }
 
 GrayImage part(const GrayImage& image, int u, int v, int width, int height) {
@@ -77,30 +116,21 @@ GrayPair split_picture(const GrayImage& both, PairLayout layout, const std::stri
   return pair;
 }
 
-PairStream::PairStream(const PairStreamRequest& request, const Tell& tell) : request_(request), tell_(tell) {
-  const auto began = std::chrono::steady_clock::now();
-  if (!request.folder.empty()) {
-    constexpr double kUsualRate_hz = 10.0;
-    const auto open = [pairs = request.folder, reading = request.reading,
-                       rate_hz = request.rate_hz > 0.0 ? request.rate_hz : kUsualRate_hz] {
-      return std::make_unique<PairFolder>(pairs, reading, rate_hz);
-    };
-    streams_.push_back(
-        std::make_unique<FrameStream>(open, stream_options(request, request.folder.front().left, false), tell, began));
-    return;
-  }
-  if (request.sources.empty() || request.sources.size() > 2)
-    throw InputError("sources", "", fmt::format("found {}, expected one or two", request.sources.size()));
-  for (const auto& source : request.sources) {
-    const auto open = [capture = CaptureRequest{.source = source,
-                                                .width_px = request.width_px,
-                                                .height_px = request.height_px,
-                                                .rate_hz = request.rate_hz},
-                       bayer = request.reading.bayer] {
-      return std::make_unique<CaptureReader>(open_capture(capture), capture.source, bayer);
-    };
-    const bool living = is_living(source_kind(source));
-    streams_.push_back(std::make_unique<FrameStream>(open, stream_options(request, source, living), tell, began));
+PairStream::PairStream(const PairStreamRequest& request, const Tell& tell)
+    : PairStream(request, openers(request), tell) {}
+
+PairStream::PairStream(const PairStreamRequest& request, const std::vector<OpenReader>& readers, const Tell& tell)
+    : request_(request),
+      tell_(tell),
+      began_(std::chrono::steady_clock::now()),
+      is_looped_together_(is_looped_together(request)) {
+  if (readers.empty() || readers.size() > 2)
+    throw InputError("sources", "", fmt::format("found {}, expected one or two", readers.size()));
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    const bool is_folder = !request.folder.empty();
+    const std::string& name = is_folder ? request.folder.front().left : request.sources[i];
+    const bool lives = !is_folder && is_living_source(name);
+    streams_.push_back(std::make_unique<FrameStream>(readers[i], stream_options(request, name, lives), tell, began_));
   }
 }
 
@@ -143,16 +173,22 @@ Answer PairStream::next_of_two(StereoFrame& frame, std::chrono::milliseconds tim
   };
   while (true) {
     const Answer left = fill(*streams_[0], left_), right = fill(*streams_[1], right_);
-    if (left == Answer::ended || right == Answer::ended) return Answer::ended;
+    if (left == Answer::ended || right == Answer::ended) {
+      if (!begin_next_round()) return Answer::ended;
+      continue;
+    }
     if (left != Answer::frame || right != Answer::frame) return Answer::nothing_yet;
     const double skew_s = right_->time_s - left_->time_s;
-    if (std::abs(skew_s) <= request_.max_skew_s) break;
-    (skew_s > 0.0 ? left_ : right_).reset();
+    const bool is_too_far = std::abs(skew_s) > request_.max_skew_s;
+    auto& earlier = skew_s > 0.0 ? left_ : right_;
+    if (!is_too_far && !has_nearer_successor(*earlier, std::abs(skew_s))) break;
+    earlier.reset();
     ++counts_.unpaired;
-    tell_unpaired(skew_s);
+    if (is_too_far) tell_unpaired(skew_s);
   }
   unpaired_in_a_row_ = 0;
-  frame.time_s = std::max(left_->time_s, right_->time_s);
+  frame.time_s = offset_s_ + std::max(left_->time_s, right_->time_s);
+  round_end_s_ = frame.time_s + std::max(left_->step_s, right_->step_s);
   frame.skew_s = right_->time_s - left_->time_s;
   frame.images.left = std::move(left_->images.left);
   frame.images.right = std::move(right_->images.left);
@@ -164,6 +200,19 @@ Answer PairStream::next_of_two(StereoFrame& frame, std::chrono::milliseconds tim
   return Answer::frame;
 }
 
+/// Two films begin again together, as pictures of different rounds are no pair.
+/// @returns false when they do not, or when this round had no pair
+bool PairStream::begin_next_round() {
+  if (!is_looped_together_ || round_end_s_ <= offset_s_) return false;
+  began_ += std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(round_end_s_ - offset_s_));
+  offset_s_ = round_end_s_;
+  left_.reset();
+  right_.reset();
+  for (const auto& stream : streams_) stream->restart(began_);
+  return true;
+}
+
 /// Pictures that change their size are broken.
 bool PairStream::accept(StereoFrame& frame) {
   const auto& [left, right] = std::pair(frame.images.view().left, frame.images.view().right);
@@ -172,11 +221,13 @@ bool PairStream::accept(StereoFrame& frame) {
     width_px_ = left.width_px;
     height_px_ = left.height_px;
   }
-  if (left.width_px == width_px_ && left.height_px == height_px_ && right.width_px == width_px_ &&
-      right.height_px == height_px_)
-    return true;
-  leave_out(fmt::format("{}: size: found {} x {} px, expected {} x {} px as before", frame.left_name, left.width_px,
-                        left.height_px, width_px_, height_px_));
+  const auto fits = [&](const GrayView& image) { return image.width_px == width_px_ && image.height_px == height_px_; };
+  if (fits(left) && fits(right)) return true;
+  const bool is_left = !fits(left);
+  const GrayView& other = is_left ? left : right;
+  leave_out(fmt::format("{}: size: found {} x {} px, expected {} x {} px as before",
+                        is_left ? frame.left_name : frame.right_name, other.width_px, other.height_px, width_px_,
+                        height_px_));
   return false;
 }
 
@@ -186,13 +237,12 @@ void PairStream::leave_out(const std::string& why) {
 }
 
 void PairStream::watch_skew(double skew_s) {
-  if (first_skews_s_.size() >= kSkewsToJudge) return;
-  first_skews_s_.push_back(skew_s);
-  if (first_skews_s_.size() < kSkewsToJudge) return;
-  std::vector<double> sizes_s;
-  for (const double first_s : first_skews_s_) sizes_s.push_back(std::abs(first_s));
-  const double median_s = upper_median(std::move(sizes_s));
+  if (skew_told_) return;
+  skews_s_.push_back(std::abs(skew_s));
+  if (skews_s_.size() < kSkewsToJudge) return;
+  const double median_s = upper_median(std::exchange(skews_s_, {}));
   if (median_s < kSkewMatters_s) return;
+  skew_told_ = true;
   tell_(
       fmt::format("left and right pictures are {:.1f} ms apart (median of {}): what moves, and all when the camera "
                   "moves, gets a wrong range; a common trigger helps",

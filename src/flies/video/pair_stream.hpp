@@ -25,7 +25,7 @@ struct PairStreamRequest {
   PairReading reading = {};                      ///< how image files hold pairs; `bayer` also of films and devices
   int width_px = 0, height_px = 0;               ///< asked of devices; 0: what they do by themselves
   double rate_hz = 0.0;                          ///< of files and devices; 0: their own
-  bool is_looped = false;                        ///< files begin again at their end
+  bool is_looped = false;                        ///< files begin again at their end, two films when the shorter ends
   bool is_patient = false;                       ///< no pair of a file is thrown away, and none is waited for
   double max_skew_s = 0.02;                      ///< pictures of two sources farther apart in time are no pair
   double stuck_s = 5.0, first_pause_s = 0.5;     ///< see FrameStreamOptions
@@ -57,6 +57,8 @@ class PairStream {
  public:
   /// @throws InputError when a source cannot be opened now
   PairStream(const PairStreamRequest& request, const Tell& tell);
+  /// @param readers open the sources of the request, one each
+  PairStream(const PairStreamRequest& request, const std::vector<OpenReader>& readers, const Tell& tell);
 
   /// Waits for the next pair.
   FrameStream::Answer next(StereoFrame& frame, std::chrono::milliseconds timeout);
@@ -66,6 +68,7 @@ class PairStream {
  private:
   FrameStream::Answer next_of_one(StereoFrame& frame, std::chrono::milliseconds timeout);
   FrameStream::Answer next_of_two(StereoFrame& frame, std::chrono::milliseconds timeout);
+  bool begin_next_round();
   bool accept(StereoFrame& frame);
   void leave_out(const std::string& why);
   void watch_skew(double skew_s);
@@ -74,12 +77,15 @@ class PairStream {
   PairStreamRequest request_;
   Tell tell_;
   std::vector<std::unique_ptr<FrameStream>> streams_;
-  std::optional<SourceFrame> left_, right_;  ///< wait for their partner
+  std::optional<SourceFrame> left_, right_;      ///< wait for their partner
+  std::chrono::steady_clock::time_point began_;  ///< of the round
+  double offset_s_ = 0.0, round_end_s_ = 0.0;    ///< what the rounds before took, and this one as well
+  bool is_looped_together_ = false;
   PairStreamCounts counts_;
   int width_px_ = 0, height_px_ = 0;  ///< of the first pair
-  std::vector<double> first_skews_s_;
+  std::vector<double> skews_s_;       ///< without sign, of the pairs since they were judged
   std::uint64_t unpaired_in_a_row_ = 0;
-  bool unpaired_told_ = false, size_told_ = false;
+  bool unpaired_told_ = false, size_told_ = false, skew_told_ = false;
 };
 
 }  // namespace flies

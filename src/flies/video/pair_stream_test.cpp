@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
@@ -23,20 +24,63 @@ using ::testing::ThrowsMessage;
 
 constexpr int kJpegError = 4;
 
+struct ToyFilm {
+  std::string name;
+  int count = 0;
+  double rate_hz = 60.0;
+  int broken = -1, wide = -1;  ///< pictures that are damaged or of another size
+};
+
+/// Pictures of rising grey levels.
+class ToyReader final : public FrameReader {
+ public:
+  explicit ToyReader(ToyFilm film) : film_(std::move(film)) {}
+  bool read(SourceFrame& frame) override {
+    if (next_ == film_.count) return false;
+    const int n = next_++;
+    if (n == film_.broken) throw InputError(film_.name, "frame", "is broken");
+    const int width = n == film_.wide ? 4 : 2;
+    frame.images.left = {width, 1, std::vector<std::uint8_t>(static_cast<std::size_t>(width), std::uint8_t(n))};
+    frame.left_name = film_.name;
+    return true;
+  }
+  double rate_hz() const override { return film_.rate_hz; }
+
+ private:
+  ToyFilm film_;
+  int next_ = 0;
+};
+
 struct PairStreamTest : ::testing::Test {
   PairStreamTest() { setenv("FLIES_MODULES", FLIES_MODULES, 1); }
 
-  std::vector<StereoFrame> all_of(const PairStreamRequest& request, std::size_t most = 100) {
-    PairStream stream(request, [this](const std::string& sentence) {
+  Tell tell() {
+    return [this](const std::string& sentence) {
       const std::lock_guard lock(mutex);
       told.push_back(sentence);
-    });
+    };
+  }
+
+  std::vector<StereoFrame> all_of(const PairStreamRequest& request, std::size_t most = 100) {
+    PairStream stream(request, tell());
+    return all_of(stream, most);
+  }
+
+  std::vector<StereoFrame> all_of(const ToyFilm& left, const ToyFilm& right, std::size_t most = 100) {
+    const auto opener = [](const ToyFilm& film) { return [film] { return std::make_unique<ToyReader>(film); }; };
+    PairStream stream({.sources = {left.name, right.name}, .is_looped = is_looped, .is_patient = true},
+                      {opener(left), opener(right)}, tell());
+    return all_of(stream, most);
+  }
+
+  std::vector<StereoFrame> all_of(PairStream& stream, std::size_t most) {
     std::vector<StereoFrame> frames;
     StereoFrame frame;
     const auto until = std::chrono::steady_clock::now() + 20s;
     while (frames.size() < most && std::chrono::steady_clock::now() < until) {
       const auto answer = stream.next(frame, 100ms);
-      if (answer == FrameStream::Answer::ended) break;
+      has_ended = answer == FrameStream::Answer::ended;
+      if (has_ended) break;
       if (answer == FrameStream::Answer::frame) frames.push_back(std::move(frame));
     }
     counts = stream.counts();
@@ -44,6 +88,7 @@ struct PairStreamTest : ::testing::Test {
   }
 
   testing::TemporaryFolder folder;
+  bool is_looped = false, has_ended = false;
   std::mutex mutex;
   std::vector<std::string> told;
   PairStreamCounts counts;
@@ -105,6 +150,61 @@ TEST_F(PairStreamTest, UnequalRatesPairByTime) {
     EXPECT_NEAR(frame.images.right.view().at(10, 10), 20 + 10 * i, kJpegError);
   }
   EXPECT_EQ(counts.unpaired, 4U);
+}
+
+TEST_F(PairStreamTest, LostPictureCostsNoPairButItsOwn) {
+  const auto frames = all_of({.name = "left", .count = 10}, {.name = "right", .count = 10, .broken = 3});
+  ASSERT_THAT(frames, SizeIs(9));
+  for (const auto& frame : frames) EXPECT_EQ(frame.images.left.pixels, frame.images.right.pixels);
+  EXPECT_EQ(counts.unpaired, 1U);
+}
+
+TEST_F(PairStreamTest, NearestPictureOfAFasterSourceIsTaken) {
+  const auto frames =
+      all_of({.name = "left", .count = 10, .rate_hz = 100.0}, {.name = "right", .count = 5, .rate_hz = 50.0});
+  ASSERT_THAT(frames, SizeIs(5));
+  for (const auto& frame : frames) EXPECT_EQ(frame.images.left.pixels[0], 2 * frame.images.right.pixels[0]);
+}
+
+TEST_F(PairStreamTest, HalfAStepApartIsAPair) {
+  const auto frames = all_of({.name = "left", .count = 2, .rate_hz = 50.0},
+                             {.name = "right", .count = 3, .rate_hz = 100.0, .broken = 0});
+  ASSERT_THAT(frames, SizeIs(2));
+  EXPECT_NEAR(frames[0].skew_s, 0.01, 1e-9);
+  EXPECT_NEAR(frames[1].skew_s, 0.0, 1e-9);
+}
+
+TEST_F(PairStreamTest, SkewThatComesLaterIsToldOnce) {
+  all_of({.name = "left", .count = 120, .rate_hz = 100.0}, {.name = "right", .count = 120, .rate_hz = 99.0}, 120);
+  EXPECT_EQ(std::count_if(told.begin(), told.end(),
+                          [](const auto& sentence) { return sentence.find("common trigger") != sentence.npos; }),
+            1);
+  EXPECT_THAT(told, Contains(HasSubstr("4.5 ms apart (median of 30)")));
+}
+
+TEST_F(PairStreamTest, FilmsOfUnequalLengthBeginAgainTogether) {
+  is_looped = true;
+  const auto frames = all_of({.name = "left", .count = 3}, {.name = "right", .count = 5}, 8);
+  ASSERT_THAT(frames, SizeIs(8));
+  for (int i = 0; i < 8; ++i) {
+    const auto& frame = frames[static_cast<std::size_t>(i)];
+    EXPECT_EQ(frame.images.left.pixels[0], i % 3);
+    EXPECT_EQ(frame.images.right.pixels[0], i % 3);
+    EXPECT_NEAR(frame.time_s, i / 60.0, 1e-9);
+    EXPECT_EQ(frame.skew_s, 0.0);
+  }
+  EXPECT_EQ(counts.unpaired, 0U);
+}
+
+TEST_F(PairStreamTest, LoopWithoutAPairEnds) {
+  is_looped = true;
+  EXPECT_THAT(all_of({.name = "left", .count = 1, .broken = 0}, {.name = "right", .count = 3}), SizeIs(0));
+  EXPECT_TRUE(has_ended);
+}
+
+TEST_F(PairStreamTest, OnlyThePictureOfAnotherSizeIsNamed) {
+  ASSERT_THAT(all_of({.name = "left", .count = 3}, {.name = "right", .count = 3, .wide = 1}), SizeIs(2));
+  EXPECT_THAT(told, Contains(HasSubstr("right: size: found 4 x 1 px, expected 2 x 1 px as before")));
 }
 
 TEST_F(PairStreamTest, FolderSkipsADamagedPair) {

@@ -14,15 +14,20 @@ function fitnessColor(share) {
   return `hsl(${Math.round(240 * (1 - share))} 100% 50%)`;
 }
 
-function label(context, text, x, y, color) {
-  context.font = "600 13px system-ui, sans-serif";
-  const width = context.measureText(text).width;
-  const left = Math.max(0, Math.min(x, context.canvas.width - width - 6));
-  const top = Math.max(0, y - 17);
+/** Of a canvas that is shown smaller than it is: how much larger to write, so that it can be read. */
+function writingScale({ width, clientWidth }) {
+  return clientWidth > 0 ? Math.max(1, width / clientWidth) : 1;
+}
+
+function label(context, text, x, y, color, scale) {
+  context.font = `600 ${13 * scale}px system-ui, sans-serif`;
+  const width = context.measureText(text).width + 6 * scale, height = 17 * scale;
+  const left = Math.max(0, Math.min(x, context.canvas.width - width));
+  const top = Math.max(0, y - height);
   context.fillStyle = "rgba(0, 0, 0, 0.7)";
-  context.fillRect(left, top, width + 6, 17);
+  context.fillRect(left, top, width, height);
   context.fillStyle = color;
-  context.fillText(text, left + 3, top + 13);
+  context.fillText(text, left + 3 * scale, top + 13 * scale);
 }
 
 function fillPolygon(context, points) {
@@ -32,11 +37,11 @@ function fillPolygon(context, points) {
   context.fill();
 }
 
-function drawBox(context, box, color, text) {
+function drawBox(context, box, color, text, scale) {
   context.strokeStyle = color;
-  context.lineWidth = 2;
+  context.lineWidth = 2 * scale;
   context.strokeRect(box.u_px, box.v_px, box.width_px, box.height_px);
-  label(context, text, box.u_px, box.v_px, color);
+  label(context, text, box.u_px, box.v_px, color, scale);
 }
 
 /** The left picture: free ground, obstacles and their range, people and how sure they are, numbers of tracks. */
@@ -46,6 +51,7 @@ export function drawLeft(canvas, image, state, flies) {
     canvas.height = state.height_px;
   }
   const context = canvas.getContext("2d");
+  const scale = writingScale(canvas);
   context.drawImage(image, 0, 0, canvas.width, canvas.height);
   context.fillStyle = kFreeFill;
   for (const polygon of state.free_px) fillPolygon(context, polygon);
@@ -55,13 +61,13 @@ export function drawLeft(canvas, image, state, flies) {
   }
   const { obstacles, pedestrians, tracks } = state.record;
   for (const obstacle of [...obstacles].reverse())
-    drawBox(context, obstacle.box, rangeColor(obstacle.range_m), `${obstacle.range_m.toFixed(1)} m`);
+    drawBox(context, obstacle.box, rangeColor(obstacle.range_m), `${obstacle.range_m.toFixed(1)} m`, scale);
   for (const person of [...pedestrians].reverse())
-    drawBox(context, person.box, kPerson, `person ${(100 * person.probability).toFixed(0)} %`);
-  context.font = "11px system-ui, sans-serif";
+    drawBox(context, person.box, kPerson, `person ${(100 * person.probability).toFixed(0)} %`, scale);
+  context.font = `${11 * scale}px system-ui, sans-serif`;
   for (const track of tracks) {
     context.fillStyle = track.class === "person" ? kPerson : "#fff";
-    context.fillText(`#${track.id}`, track.box.u_px + 2, track.box.v_px + track.box.height_px - 3);
+    context.fillText(`#${track.id}`, track.box.u_px + 2 * scale, track.box.v_px + track.box.height_px - 3 * scale);
   }
 }
 
@@ -102,6 +108,7 @@ const kAhead_m = 42, kBehind_m = 2, kSide_m = 20;
 /** The view from above: x up, y to the left. */
 export function drawTop(canvas, state, trails, flies) {
   const context = canvas.getContext("2d");
+  const writing = writingScale(canvas);
   const scale = canvas.height / (kAhead_m + kBehind_m);
   const at = ([x_m, y_m]) => [canvas.width / 2 - y_m * scale, canvas.height - (x_m + kBehind_m) * scale];
   context.fillStyle = "#f7f8f9";
@@ -111,7 +118,7 @@ export function drawTop(canvas, state, trails, flies) {
 
   context.strokeStyle = "#cfd5da";
   context.fillStyle = "#5c6670";
-  context.font = "12px system-ui, sans-serif";
+  context.font = `${12 * writing}px system-ui, sans-serif`;
   context.lineWidth = 1;
   for (let x_m = 0; x_m <= kAhead_m; x_m += 10) {
     const [, v] = at([x_m, 0]);
@@ -133,7 +140,7 @@ export function drawTop(canvas, state, trails, flies) {
     context.stroke();
   }
   for (const obstacle of state.record.obstacles) drawObstacle(context, at, obstacle);
-  for (const track of state.record.tracks) drawTrack(context, at, track);
+  for (const track of state.record.tracks) drawTrack(context, at, track, writing);
 }
 
 function line(context, from, to) {
@@ -154,7 +161,7 @@ function drawObstacle(context, at, { x_m, y_m, width_m, middle_offset_m, range_m
   line(context, end(-1), end(1));
 }
 
-function drawTrack(context, at, track) {
+function drawTrack(context, at, track, writing) {
   const isPerson = track.class === "person";
   const [u, v] = at([track.x_m, track.y_m]);
   const speed = Math.hypot(track.vx_mps, track.vy_mps);
@@ -168,7 +175,7 @@ function drawTrack(context, at, track) {
     context.lineWidth = 2;
     line(context, [u, v], at([track.x_m + track.vx_mps, track.y_m + track.vy_mps]));
   }
-  context.font = "11px system-ui, sans-serif";
+  context.font = `${11 * writing}px system-ui, sans-serif`;
   context.fillText(`#${track.id}`, u + 7, v + 4);
   context.globalAlpha = 1;
 }

@@ -10,6 +10,7 @@ const kSliders = {
 };
 
 const shown = { run: null, number: null, changes: null, state: null, flies: null };
+const sliders = {}; // by path
 let trails = new Trails();
 let isPaused = false;
 
@@ -17,10 +18,11 @@ let isPaused = false;
 
 async function get(path) {
   const answer = await fetch(path, { signal: AbortSignal.timeout(5000) });
-  if (!answer.ok) throw new Error((await answer.text()).trim());
+  if (!answer.ok) throw Object.assign(new Error((await answer.text()).trim()), { status: answer.status });
   return answer;
 }
 
+/** Returns whether the order was taken. */
 async function order(path, body = {}) {
   $("fault").textContent = "";
   try {
@@ -28,10 +30,13 @@ async function order(path, body = {}) {
       method: "POST",
       headers: { "Content-Type": "application/json", "X-Flies": "page" },
       body: JSON.stringify(body),
+      signal: AbortSignal.timeout(5000),
     });
     if (!answer.ok) $("fault").textContent = (await answer.text()).trim();
+    return answer.ok;
   } catch {
     $("fault").textContent = "The program cannot be reached.";
+    return false;
   }
 }
 
@@ -54,7 +59,9 @@ async function follow() {
       await show(state);
       setConnection(state.is_paused ? "paused" : "connected", false);
     } catch (error) {
-      setConnection("connection lost, trying again", true);
+      const isForeign = error.status === 403; // the program was started anew, with another token
+      const refusal = `${error.message} Open the address that the program prints now.`;
+      setConnection(isForeign ? refusal : "connection lost, trying again", true);
       await sleep(1000);
     }
   }
@@ -63,6 +70,7 @@ async function follow() {
 function startAnew(run) {
   Object.assign(shown, { run, number: null, changes: null, state: null, flies: null });
   trails = new Trails();
+  $("save").disabled = true;
 }
 
 // ---- what is shown
@@ -74,13 +82,14 @@ async function show(state) {
     showNotes(state.notes);
   }
   if (state.number === undefined || state.number === shown.number) return;
-  const swarm = $("flies").checked ? (await (await get(`api/flies?number=${state.number}`)).json()).flies : null;
-  const image = await picture(state.number);
+  const pair = await pairOf(state.number);
+  if (!pair) return;
   shown.image?.close(); // holds a picture's memory until then
-  shown.flies = swarm;
+  shown.flies = pair.flies;
   shown.number = state.number;
   shown.state = state;
-  shown.image = image;
+  shown.image = pair.image;
+  $("save").disabled = false;
   trails.add(state);
   draw();
   showRates(state.rates);
@@ -89,8 +98,23 @@ async function show(state) {
   document.body.dataset.number = state.number;
 }
 
+/** Picture and flies; null when newer pairs have displaced this one. */
+async function pairOf(number) {
+  try {
+    const [image, flies] = await Promise.all([picture(number), $("flies").checked ? fliesOf(number) : null]);
+    return { image, flies };
+  } catch (error) {
+    if (error.status === 404) return null;
+    throw error;
+  }
+}
+
 async function picture(number) {
   return createImageBitmap(await (await get(`api/left.jpg?number=${number}`)).blob());
+}
+
+async function fliesOf(number) {
+  return (await (await get(`api/flies?number=${number}`)).json()).flies;
 }
 
 function draw() {
@@ -108,22 +132,45 @@ function showControls(state) {
 }
 
 function showOption(path, value, meaning) {
+  const slider = (sliders[path] ??= newSlider(path, meaning));
+  slider.told = value;
+  showTold(slider);
+}
+
+/** Unless a hand is on the slider, or the program has yet to say what it thinks of its last move. */
+function showTold({ input, output, told, isHeld, orders }) {
+  if (isHeld || orders > 0) return;
+  input.value = told;
+  output.textContent = String(told);
+}
+
+function newSlider(path, meaning) {
   const id = `option-${path.replace(".", "-")}`;
-  let slider = $(id);
-  if (!slider) {
-    const { name, min, max, step } = kSliders[path];
-    const row = document.createElement("div");
-    row.className = "option";
-    const label = Object.assign(document.createElement("label"), { htmlFor: id, textContent: name, title: meaning });
-    const output = Object.assign(document.createElement("output"), { id: `${id}-value` });
-    slider = Object.assign(document.createElement("input"), { id, type: "range", min, max, step });
-    slider.addEventListener("input", () => (output.textContent = slider.value));
-    slider.addEventListener("change", () => order("api/option", { path, value: slider.value }));
-    row.append(label, output, slider);
-    $("options").append(row);
-  }
-  if (document.activeElement !== slider || Number(slider.value) !== value) slider.value = value;
-  $(`${id}-value`).textContent = String(value);
+  const { name, min, max, step } = kSliders[path];
+  const row = document.createElement("div");
+  row.className = "option";
+  const label = Object.assign(document.createElement("label"), { htmlFor: id, textContent: name, title: meaning });
+  const output = Object.assign(document.createElement("output"), { id: `${id}-value` });
+  const input = Object.assign(document.createElement("input"), { id, type: "range", min, max, step });
+  row.append(label, output, input);
+  $("options").append(row);
+  const slider = { input, output, told: null, isHeld: false, orders: 0 };
+  input.addEventListener("input", () => {
+    slider.isHeld = true;
+    output.textContent = input.value;
+  });
+  input.addEventListener("change", () => moved(slider, path));
+  for (const end of ["pointerup", "pointercancel", "blur"]) // of a move that changed nothing
+    input.addEventListener(end, () => (slider.isHeld = false));
+  return slider;
+}
+
+async function moved(slider, path) {
+  slider.isHeld = false;
+  ++slider.orders;
+  const isTaken = await order("api/option", { path, value: slider.input.value });
+  --slider.orders;
+  if (!isTaken) showTold(slider);
 }
 
 function showNotes(notes) {
@@ -182,7 +229,7 @@ const step = () => order("api/step");
 async function toggleFlies() {
   shown.flies = null;
   if ($("flies").checked && shown.number !== null)
-    shown.flies = (await (await get(`api/flies?number=${shown.number}`)).json()).flies;
+    shown.flies = await fliesOf(shown.number);
   draw();
 }
 
@@ -201,6 +248,7 @@ $("pause").addEventListener("click", togglePause);
 $("step").addEventListener("click", step);
 $("save").addEventListener("click", save);
 $("flies").addEventListener("change", () => toggleFlies().catch(() => {}));
+window.addEventListener("resize", draw);
 document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("input[type=text], textarea")) return;
   if (event.key === "p") togglePause();
