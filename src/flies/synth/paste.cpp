@@ -79,8 +79,7 @@ struct Canvas {
   cv::Mat paint(const Place& place, const Light& light, double noise_gray, FlyRandom random) {
     const double shift_px = is_right ? place.disparity_px : 0.0;
     const cv::Mat levels = in_place(place.cut->image, place, shift_px, picture.size());
-    const cv::Mat cover =
-        cover_of(in_place(place.cut->mask, place, shift_px, picture.size()), around, place.disparity_px);
+    cv::Mat cover = cover_of(in_place(place.cut->mask, place, shift_px, picture.size()), around, place.disparity_px);
     for (int v = 0; v < picture.rows; ++v) {
       for (int u = 0; u < picture.cols; ++u) {
         const double share = cover.at<float>(v, u);

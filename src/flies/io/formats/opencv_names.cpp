@@ -101,7 +101,7 @@ class Keys {
   Pair find_of_sides(const Words& names, const std::string& ending = "") const {
     Pair one;
     for (const auto& [left, right] : kSides) {
-      const Pair found = {find_of_side(names, left, ending), find_of_side(names, right, ending)};
+      Pair found = {find_of_side(names, left, ending), find_of_side(names, right, ending)};
       if (!found[0].empty() && !found[1].empty()) return found;
       if (one[0].empty() && one[1].empty()) one = found;
     }
