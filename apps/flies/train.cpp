@@ -128,7 +128,7 @@ Texts parse_about(const std::vector<std::string>& entries) {
 /// The name that the model gets; what its file cannot hold is told before the work.
 std::string model_name(const TrainArguments& arguments) {
   const bool is_given = !arguments.name.empty();
-  const std::string name = is_given ? arguments.name : std::filesystem::path(arguments.out).stem().string();
+  std::string name = is_given ? arguments.name : std::filesystem::path(arguments.out).stem().string();
   flies::check_model_text(name, "command line", is_given ? "--name" : "--out");
   return name;
 }

@@ -3,10 +3,12 @@
 #include <array>
 
 // The assembler copies the files. FLIES_PAGE is the folder, set by CMake.
+// NOLINTBEGIN(bugprone-macro-parentheses): names, not expressions
 #define FLIES_EMBED(name, file)                                                                           \
   asm(".pushsection .rodata\n.hidden " #name "\n.hidden " #name "_end\n.global " #name "\n.global " #name \
       "_end\n" #name ":\n.incbin \"" FLIES_PAGE "/" file "\"\n" #name "_end:\n.popsection\n");            \
   extern "C" const char name[], name##_end[]
+// NOLINTEND(bugprone-macro-parentheses)
 
 FLIES_EMBED(flies_page_html, "index.html");
 FLIES_EMBED(flies_page_js, "page.js");

@@ -28,11 +28,13 @@ flies_shipped_linear_model_end:
   .popsection
 )");
 
+// NOLINTBEGIN(readability-identifier-naming): labels of the assembler
 extern "C" {
 extern const char flies_shipped_kernel_model[], flies_shipped_kernel_model_end[];
 extern const char flies_shipped_network_model[], flies_shipped_network_model_end[];
 extern const char flies_shipped_linear_model[], flies_shipped_linear_model_end[];
 }
+// NOLINTEND(readability-identifier-naming)
 
 namespace flies {
 namespace {

@@ -31,7 +31,7 @@ HWY_ATTR void SquareRoots(float* values, std::size_t count) {
 template <class V>
 HWY_INLINE V half_turns(V x, V y) {
   const D d;
-  constexpr auto over_pi = [](double value) { return static_cast<float>(value * std::numbers::inv_pi); };
+  const auto over_pi = [](double value) { return static_cast<float>(value * std::numbers::inv_pi); };
   const auto ax = hn::Abs(x);
   const auto ratio = hn::Div(hn::Min(ax, y), hn::Add(hn::Max(ax, y), hn::Set(d, 1e-20F)));
   const auto square = hn::Mul(ratio, ratio);

@@ -88,8 +88,8 @@ void sum_moments(const PatchImages& images, std::span<const PatchPlace> places, 
 }  // namespace
 
 const Kernel& scalar_kernel() {
-  static constexpr Kernel kernel = {"scalar", sum_squared_differences, sum_weighted_covariances, sum_moments};
-  return kernel;
+  static constexpr Kernel kKernel = {"scalar", sum_squared_differences, sum_weighted_covariances, sum_moments};
+  return kKernel;
 }
 
 }  // namespace flies::kernels
