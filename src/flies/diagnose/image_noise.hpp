@@ -21,6 +21,8 @@ struct ImageNoise {
 /// kitti_stereo2012 it is 6.4 and 3.5 in the middle instead of 22, and the scan is right in 0.75 and 0.58 of the
 /// sectors instead of 0.86.
 inline constexpr double kLeastContrastToNoise = 6.5;
+/// With less noise than this, what has little contrast to it is a plain place.
+inline constexpr double kMuchNoise_gray = 2.0;
 
 /// By Immerkær's operator, which neither even nor evenly rising levels answer ("Fast noise variance estimation", 1996).
 /// @param image at least 3 x 3 px

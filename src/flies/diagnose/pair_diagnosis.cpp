@@ -150,7 +150,7 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
     found.push_back(fmt::format("nothing can be seen in much of the image: {}", what_hides(d)));
   else
     for (auto& complaint : complaints(d.sides)) found.push_back(std::move(complaint));
-  if (d.noise.contrast_to_noise() < kLeastContrastToNoise)
+  if (d.noise.noise_gray >= kMuchNoise_gray && d.noise.contrast_to_noise() < kLeastContrastToNoise)
     found.push_back(fmt::format(
         "the images are noisy: pixels vary by {:.1f} grey levels at random and by {:.1f} with the scene, so "
         "things are missed; more light, a longer exposure or less gain help",
