@@ -19,15 +19,30 @@ function writingScale({ width, clientWidth }) {
   return clientWidth > 0 ? Math.max(1, width / clientWidth) : 1;
 }
 
-function label(context, text, x, y, color, scale) {
-  context.font = `600 ${13 * scale}px system-ui, sans-serif`;
-  const width = context.measureText(text).width + 6 * scale, height = 17 * scale;
-  const left = Math.max(0, Math.min(x, context.canvas.width - width));
-  const top = Math.max(0, y - height);
-  context.fillStyle = "rgba(0, 0, 0, 0.7)";
-  context.fillRect(left, top, width, height);
-  context.fillStyle = color;
-  context.fillText(text, left + 3 * scale, top + 13 * scale);
+/** Writes where nothing is written yet: what comes first is read, what has no room is in the table. */
+class Labels {
+  #taken = [];
+
+  constructor(context, scale) {
+    this.context = context;
+    this.scale = scale;
+  }
+
+  put(text, x, y, color, { weight = 600, size = 13, ground = "rgba(0, 0, 0, 0.7)" } = {}) {
+    const { context, scale } = this;
+    context.font = `${weight} ${size * scale}px system-ui, sans-serif`;
+    const width = context.measureText(text).width + 6 * scale, height = (size + 4) * scale;
+    const left = Math.max(0, Math.min(x, context.canvas.width - width));
+    const top = Math.max(0, y - height);
+    const meets = (other) => left < other.left + other.width && other.left < left + width &&
+      top < other.top + other.height && other.top < top + height;
+    if (this.#taken.some(meets)) return;
+    this.#taken.push({ left, top, width, height });
+    context.fillStyle = ground;
+    context.fillRect(left, top, width, height);
+    context.fillStyle = color;
+    context.fillText(text, left + 3 * scale, top + size * scale);
+  }
 }
 
 function fillPolygon(context, points) {
@@ -37,11 +52,10 @@ function fillPolygon(context, points) {
   context.fill();
 }
 
-function drawBox(context, box, color, text, scale) {
+function drawBox(context, box, color, scale) {
   context.strokeStyle = color;
   context.lineWidth = 2 * scale;
   context.strokeRect(box.u_px, box.v_px, box.width_px, box.height_px);
-  label(context, text, box.u_px, box.v_px, color, scale);
 }
 
 /** The left picture: free ground, obstacles and their range, people and how sure they are, numbers of tracks. */
@@ -60,15 +74,16 @@ export function drawLeft(canvas, image, state, flies) {
     context.fillRect(u - 1, v - 1, 2, 2);
   }
   const { obstacles, pedestrians, tracks } = state.record;
-  for (const obstacle of [...obstacles].reverse())
-    drawBox(context, obstacle.box, rangeColor(obstacle.range_m), `${obstacle.range_m.toFixed(1)} m`, scale);
-  for (const person of [...pedestrians].reverse())
-    drawBox(context, person.box, kPerson, `person ${(100 * person.probability).toFixed(0)} %`, scale);
-  context.font = `${11 * scale}px system-ui, sans-serif`;
-  for (const track of tracks) {
-    context.fillStyle = track.class === "person" ? kPerson : "#fff";
-    context.fillText(`#${track.id}`, track.box.u_px + 2 * scale, track.box.v_px + track.box.height_px - 3 * scale);
-  }
+  for (const { box, range_m } of [...obstacles].reverse()) drawBox(context, box, rangeColor(range_m), scale);
+  for (const { box } of [...pedestrians].reverse()) drawBox(context, box, kPerson, scale);
+  const labels = new Labels(context, scale);  // nearest first
+  for (const { box, probability } of pedestrians)
+    labels.put(`person ${(100 * probability).toFixed(0)} %`, box.u_px, box.v_px, kPerson);
+  for (const { box, range_m } of obstacles)
+    labels.put(`${range_m.toFixed(1)} m`, box.u_px, box.v_px, rangeColor(range_m));
+  for (const { id, box, class: kind } of tracks)
+    labels.put(`#${id}`, box.u_px, box.v_px + box.height_px, kind === "person" ? kPerson : "#fff",
+      { weight: 400, size: 11, ground: "rgba(0, 0, 0, 0.4)" });
 }
 
 /** Where tracks were, in a frame that stands still. */
