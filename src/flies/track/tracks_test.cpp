@@ -6,22 +6,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 #include "flies/core/error.hpp"
 #include "flies/core/random.hpp"
-#include "flies/track/assignment.hpp"
 
 namespace flies {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 constexpr double kDt_s = 0.1;
-constexpr double kForbidden = std::numeric_limits<double>::infinity();
 
 StereoCamera camera() {
   return {.fx_px = 720,
@@ -37,59 +33,6 @@ StereoCamera camera() {
 
 Sighting at(double x_m, double y_m, double width_m = 0.6) { return {x_m, y_m, width_m, 1.7, {}, std::nullopt}; }
 EgoMotion standing() { return given_ego_motion(kDt_s, 0.0, 0.0, 0.0); }
-
-TEST(AssignOptimally, TakesTheLeastSumNotTheLeastPair) {
-  // The cheapest pair (0, 0) would leave row 1 with 9.
-  EXPECT_THAT(assign_optimally(std::vector<double>{1, 2, 2, 9}, 2, 2, std::vector<double>{20, 20}), ElementsAre(1, 0));
-}
-
-TEST(AssignOptimally, LeavesARowAloneWhereThatIsCheaper) {
-  EXPECT_THAT(assign_optimally(std::vector<double>{1, 8}, 2, 1, std::vector<double>{5, 5}), ElementsAre(0, -1));
-  EXPECT_THAT(assign_optimally(std::vector<double>{kForbidden, kForbidden}, 1, 2, std::vector<double>{5}),
-              ElementsAre(-1));
-  EXPECT_THAT(assign_optimally({}, 2, 0, std::vector<double>{5, 5}), ElementsAre(-1, -1));
-  EXPECT_TRUE(assign_optimally({}, 0, 3, {}).empty());
-}
-
-TEST(AssignOptimally, TakesCostsThatAreNoNumbersForForbidden) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(assign_optimally(std::vector<double>{kNan, 2, -kForbidden, kNan}, 2, 2, std::vector<double>{5, 5}),
-              ElementsAre(1, -1));
-  EXPECT_THAT(assign_optimally(std::vector<double>{1, 2, 3, 4}, 2, 2, std::vector<double>{kNan, 9}),
-              ElementsAre(-1, 0));
-}
-
-TEST(AssignOptimally, IsAsGoodAsTryingEverything) {
-  for (std::uint32_t trial = 0; trial < 200; ++trial) {
-    constexpr std::size_t kRows = 4, kColumns = 5;
-    FlyRandom random(9, 0, trial, 0);
-    std::vector<double> costs(kRows * kColumns), alone(kRows);
-    for (auto& c : costs) c = random.uniform() < 0.2 ? kForbidden : random.uniform(-5, 10);
-    for (auto& a : alone) a = random.uniform(0, 8);
-    const auto price = [&](const std::vector<int>& columns) {
-      double sum = 0.0;
-      for (std::size_t i = 0; i < kRows; ++i)
-        sum += columns[i] < 0 ? alone[i] : costs[i * kColumns + static_cast<std::size_t>(columns[i])];
-      return sum;
-    };
-    double least = kForbidden;
-    std::vector<int> choice(kRows);
-    const auto try_all = [&](auto&& self, std::size_t row) -> void {
-      if (row == kRows) {
-        least = std::min(least, price(choice));
-        return;
-      }
-      for (int column = -1; column < static_cast<int>(kColumns); ++column) {
-        if (column >= 0 && std::count(choice.begin(), choice.begin() + static_cast<std::ptrdiff_t>(row), column) > 0)
-          continue;
-        choice[row] = column;
-        self(self, row + 1);
-      }
-    };
-    try_all(try_all, 0);
-    EXPECT_NEAR(price(assign_optimally(costs, kRows, kColumns, alone)), least, 1e-9) << trial;
-  }
-}
 
 TEST(Predict, KeepsStandingThingsStandingWhileTheCameraTurns) {
   GroundState state{.x_m = 10, .y_m = 2};
@@ -403,8 +346,9 @@ TEST(TrackKeeper, PassesOverSightingsThatAreNoNumbers) {
   TrackKeeper keeper(camera());
   std::vector<Track> tracks;
   for (int i = 0; i < 3; ++i)
-    tracks = keeper.step(i == 0 ? EgoMotion{} : standing(),
-                         std::vector{at(kNan, 0), at(10, 1), at(10, kForbidden), at(10, 1, kNan)});
+    tracks = keeper.step(
+        i == 0 ? EgoMotion{} : standing(),
+        std::vector{at(kNan, 0), at(10, 1), at(10, std::numeric_limits<double>::infinity()), at(10, 1, kNan)});
   ASSERT_EQ(tracks.size(), 1U);
   EXPECT_EQ(tracks[0].sightings, 3);
   EXPECT_NEAR(tracks[0].state.x_m, 10, 0.1);
