@@ -10,6 +10,7 @@
 #include "channels/channels.hpp"
 #include "flies/core/base64.hpp"
 #include "flies/core/error.hpp"
+#include "flies/io/calibration_formats.hpp"
 #include "flies/record/ros_calibration.hpp"
 
 namespace {
@@ -68,20 +69,6 @@ void refuse_options_of_files(const CameraArguments& arguments, const std::string
     if (is_given)
       throw flies::InputError(path, option,
                               "is for a calibration file (--calib); without one the recording's own counts");
-}
-
-/// Takes the baseline that the user says, in the recording's direction.
-void apply_baseline(double baseline_m, const std::string& path, flies::Calibration& calibration) {
-  const double found_m = calibration.camera.baseline_m;
-  calibration.camera.baseline_m = baseline_m;
-  if (calibration.rectifier) {
-    flies::RawStereo raw = calibration.rectifier->raw();
-    for (double& t : raw.translation_m) t *= baseline_m / found_m;
-    calibration.rectifier.emplace(raw, path);
-    calibration.camera = calibration.rectifier->camera();
-  }
-  calibration.notes.push_back(
-      fmt::format("the baseline is {:.4g} m as was said, not {:.4g} as in the recording", baseline_m, found_m));
 }
 
 /// The entry whose time is nearest; of two the later one. There is one.
@@ -319,7 +306,7 @@ flies::Calibration Recording::recorded_calibration() const {
 flies::Calibration Recording::calibration(const CameraArguments& arguments) const {
   refuse_options_of_files(arguments, path_);
   flies::Calibration calibration = recorded_calibration();
-  if (arguments.baseline_m) apply_baseline(*arguments.baseline_m, path_, calibration);
+  if (arguments.baseline_m) flies::detail::override_baseline(*arguments.baseline_m, path_, calibration);
   auto& mount = calibration.camera.mount;
   if (arguments.height_m) mount.height_m = *arguments.height_m;
   if (arguments.pitch_deg) mount.pitch_rad = flies::radians(*arguments.pitch_deg);

@@ -53,24 +53,6 @@ void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
                                             fmt::join(assumed, " and "), fmt::join(flags, ", ")));
 }
 
-/// Takes the baseline that the user says, in the file's direction.
-void apply_baseline(const CalibrationRequest& request, const std::string& source, Calibration& calibration) {
-  const double found_m = calibration.camera.baseline_m;
-  if (!request.baseline_m || !(found_m > 0.0)) return;
-  if (!(*request.baseline_m > 0.0) || !std::isfinite(*request.baseline_m))
-    throw InputError(source, "baseline", fmt::format("{} m was asked for, expected more than 0", *request.baseline_m));
-  const double factor = *request.baseline_m / found_m;
-  calibration.camera.baseline_m = *request.baseline_m;
-  if (calibration.rectifier) {
-    RawStereo raw = calibration.rectifier->raw();
-    for (double& t : raw.translation_m) t *= factor;
-    calibration.rectifier.emplace(raw, source);
-    calibration.camera = calibration.rectifier->camera();
-  }
-  calibration.notes.push_back(
-      fmt::format("the baseline is {:.4g} m as was said, not {:.4g} as in the file", *request.baseline_m, found_m));
-}
-
 void check_baseline(const Calibration& calibration, const std::string& source) {
   const double baseline_m = calibration.camera.baseline_m;
   const std::string pair = calibration.left_name + " and " + calibration.right_name;
@@ -171,6 +153,22 @@ std::optional<int> kitti_camera_of(const std::string& path) {
 
 }  // namespace
 
+void detail::override_baseline(double baseline_m, const std::string& source, Calibration& calibration) {
+  const double found_m = calibration.camera.baseline_m;
+  if (!(found_m > 0.0)) return;
+  if (!(baseline_m > 0.0) || !std::isfinite(baseline_m))
+    throw InputError(source, "baseline", fmt::format("{} m was asked for, expected more than 0", baseline_m));
+  calibration.camera.baseline_m = baseline_m;
+  if (calibration.rectifier) {
+    RawStereo raw = calibration.rectifier->raw();
+    for (double& t : raw.translation_m) t *= baseline_m / found_m;
+    calibration.rectifier.emplace(raw, source);
+    calibration.camera = calibration.rectifier->camera();
+  }
+  calibration.notes.push_back(
+      fmt::format("the baseline is {:.4g} m as was said, not {:.4g} as in the file", baseline_m, found_m));
+}
+
 std::optional<detail::ImageScale> detail::scale_to_images(int width_px, int height_px,
                                                           const CalibrationRequest& request) {
   if (const auto one = one_scale(width_px, height_px, request.width_px, request.height_px))
@@ -205,7 +203,7 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
     throw InputError(path, "raw images",
                      fmt::format("are nothing that this file describes: {} is of rectified ones", format.name));
   check_baseline(calibration, path);
-  apply_baseline(request, path, calibration);
+  if (request.baseline_m) detail::override_baseline(*request.baseline_m, path, calibration);
   apply_mount(request, calibration);
   auto& camera = calibration.camera;
   check_camera(camera, path);

@@ -33,6 +33,11 @@ struct ProjectionKey {
 /// @throws InputError when they are not the two halves of a rectified pair
 Calibration calibration_from_projections(const ProjectionKey& left, const ProjectionKey& right);
 
+/// Takes the baseline that the user says, in the direction that was read, with a note. One that was read as 0 or below
+/// is left to who refuses it.
+/// @throws InputError when it is not above 0
+void override_baseline(double baseline_m, const std::string& source, Calibration& calibration);
+
 /// How the images were resized from this size: by one scale, or by any that the request says.
 std::optional<ImageScale> scale_to_images(int width_px, int height_px, const CalibrationRequest& request);
 

@@ -52,7 +52,7 @@ BagReader::BagReader(const std::string& path) : path_(path), file_(path, std::io
   position_ = magic.size();
 }
 
-/// Nothing where the file ends before the record does.
+/// Nothing where the file ends before the record does, and where a part of it is longer than any can be.
 std::optional<BagReader::Record> BagReader::read_record(std::uint64_t position) {
   constexpr std::size_t kLength = 4;
   Record record;
@@ -63,7 +63,7 @@ std::optional<BagReader::Record> BagReader::read_record(std::uint64_t position) 
     if (size_ - position < record.length + kLength || !file_.read(head.data(), kLength)) return std::nullopt;
     const std::uint64_t length = ByteTaker(head).number(kLength);
     record.length += kLength;
-    if (length > size_ - position - record.length) return std::nullopt;
+    if (length > size_ - position - record.length || length > kLargestChunk_bytes) return std::nullopt;
     std::string content(length, '\0');
     if (!file_.read(content.data(), static_cast<std::streamsize>(length))) return std::nullopt;
     record.length += length;
