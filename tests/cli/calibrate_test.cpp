@@ -158,6 +158,9 @@ TEST_F(Calibrate, TellsOnceThatImagesAreMosaics) {
   Words with_pattern = words;
   with_pattern.insert(with_pattern.end(), {"--bayer", "rggb"});
   EXPECT_THAT(calibrate(with_pattern).err, Not(HasSubstr("mosaic")));
+  with_pattern.back() = "gbrg";
+  const RunResult wrong = calibrate(with_pattern);
+  EXPECT_THAT(lines(wrong.err), ElementsAre(HasSubstr("L/01.png: --bayer: the greens"), HasSubstr("views")));
 }
 
 TEST_F(Calibrate, ChecksOutputsBeforeTheWork) {

@@ -19,7 +19,7 @@
 #include "flies/rig/calibrate_rig.hpp"
 #include "flies/rig/coverage_picture.hpp"
 #include "shared/commands.hpp"
-#include "shared/mosaic_watch.hpp"
+#include "shared/image_watch.hpp"
 #include "shared/output_claims.hpp"
 #include "shared/pair_arguments.hpp"
 #include "shared/progress_bar.hpp"
@@ -101,13 +101,13 @@ SeenPairs find_boards(const CalibrateArguments& arguments, const flies::Board& b
   const auto& tools = tools_for(arguments, board);
   ProgressBar bar(paths.size());
   SeenPairs seen;
-  MosaicWatch mosaic;
+  ImageWatch watch;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     bar.show(i);
     const auto& left = paths[i].left;
     try {
       const auto images = flies::load_pair(paths[i], reading);
-      mosaic.look(images, left);
+      watch.look(images, left);
       if (seen.width_px == 0) seen.width_px = images.left.width_px, seen.height_px = images.left.height_px;
       if (images.left.width_px != seen.width_px || images.left.height_px != seen.height_px)
         throw flies::InputError(
@@ -209,10 +209,7 @@ void check_outputs(const CalibrateArguments& arguments, const std::vector<flies:
   OutputClaims claims;
   claims.reads(arguments.images.left);
   claims.reads(arguments.images.right);
-  for (const auto& pair : paths) {
-    claims.reads(pair.left);
-    claims.reads(pair.right);
-  }
+  claims.reads(paths);
   claims.writes(arguments.output, "--output");
   claims.writes(arguments.picture, "--picture");
   claims.writes(arguments.json, "--json");

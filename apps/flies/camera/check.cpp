@@ -89,6 +89,8 @@ std::string table(const Checked& checked) {
                                          100.0 * d.matched_share(), d.evidence.patches));
   line("beyond infinity",
        fmt::format("{:.0f} % of those found (none, if the calibration is right)", 100.0 * d.beyond_share()));
+  line("noise", fmt::format("{:.1f} grey levels, beside {:.1f} by which the scene varies", d.noise.noise_gray,
+                            d.noise.contrast_gray));
   line("rows", d.rows
                    ? fmt::format("{:+.2f} px lower in the right image, {:+.2f} and {:+.2f} px at the sides; {} corners "
                                  "agree, scatter {:.2f} px",
@@ -118,6 +120,8 @@ std::string json(const Checked& checked) {
                                    {"right_blind_share", d.sides.right_blind_share},
                                    {"sharpness_ratio", d.sides.sharpness},
                                    {"contrast_ratio", d.sides.contrast},
+                                   {"noise_gray", d.noise.noise_gray},
+                                   {"contrast_gray", d.noise.contrast_gray},
                                    {"row_offset_px", nullptr},
                                    {"row_roll_rad", nullptr},
                                    {"row_scatter_px", nullptr},

@@ -10,7 +10,7 @@
 #include "flies/rig/view_picker.hpp"
 #include "flies/video/pair_stream.hpp"
 #include "shared/end_on_signal.hpp"
-#include "shared/mosaic_watch.hpp"
+#include "shared/image_watch.hpp"
 #include "shared/notes.hpp"
 
 namespace {
@@ -43,7 +43,7 @@ SeenBoards watch_boards(const LivingBoards& living, const flies::PairReading& re
                    living.views)});
   SeenBoards seen;
   flies::ViewPicker picker(0);
-  MosaicWatch mosaic;
+  ImageWatch watch;
   flies::StereoFrame frame;
   while (picker.views().size() < living.views && !is_end_requested()) {
     const Answer answer = stream.next(frame, 100ms);
@@ -54,7 +54,7 @@ SeenBoards watch_boards(const LivingBoards& living, const flies::PairReading& re
       seen.height_px = frame.images.left.height_px;
       picker = flies::ViewPicker(seen.width_px);
     }
-    mosaic.look(frame.images, living.sources.front());
+    watch.look(frame.images, living.sources.front());
     auto pair =
         flies::matched_boards(board, fmt::format("{:.1f} s", frame.time_s), tools.find(frame.images.left.view(), board),
                               tools.find(frame.images.right.view(), board));

@@ -30,10 +30,7 @@ void check_outputs(const DetectOutputs& outputs, const std::vector<flies::PairPa
                    const std::vector<std::string>& inputs) {
   OutputClaims claims;
   for (const auto& input : inputs) claims.reads(input);
-  for (const auto& pair : pairs) {
-    claims.reads(pair.left);
-    claims.reads(pair.right);
-  }
+  claims.reads(pairs);
   claims.writes(outputs.json, "--json");
   claims.writes(outputs.csv, "--csv");
   claims.writes(outputs.scan, "--scan");

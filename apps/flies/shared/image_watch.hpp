@@ -6,11 +6,16 @@
 #include "flies/io/mosaic.hpp"
 #include "shared/notes.hpp"
 
-/// Tells once that images are the raw mosaic of a colour camera: for commands that look at many pairs.
-class MosaicWatch {
+/// Tells once what was assumed of image files, and that they are the raw mosaic of a colour camera: for commands that
+/// look at many pairs and do not diagnose them.
+class ImageWatch {
  public:
   /// @param images as they were read, before they are rectified
   void look(const flies::GrayPair& images, const std::string& source) {
+    if (!are_notes_told_ && !images.notes.empty()) {
+      are_notes_told_ = true;
+      for (const auto& note : images.notes) say_notes({source + ": " + note});
+    }
     if (is_told_ || looks_left_ == 0) return;
     --looks_left_;
     const auto note = flies::mosaic_note(images.view());
@@ -19,6 +24,6 @@ class MosaicWatch {
   }
 
  private:
-  bool is_told_ = false;
+  bool is_told_ = false, are_notes_told_ = false;
   int looks_left_ = 20;  ///< a run shows it in its first pairs, or never
 };

@@ -35,6 +35,13 @@ void OutputClaims::reads(const std::string& path) {
   if (!path.empty()) purpose_of_file_.emplace(identity(path), "an input");
 }
 
+void OutputClaims::reads(const std::vector<flies::PairPaths>& pairs) {
+  for (const auto& pair : pairs) {
+    reads(pair.left);
+    reads(pair.right);
+  }
+}
+
 bool OutputClaims::claim(const std::string& path, const std::string& option) {
   if (path.empty() || is_device(path)) return false;
   const auto [other, is_new] = purpose_of_file_.emplace(identity(path), "the output of " + option);

@@ -2,6 +2,9 @@
 
 #include <map>
 #include <string>
+#include <vector>
+
+#include "flies/io/pair_source.hpp"
 
 /// The files of a run, each with one purpose. Asked before the work, so that minutes are not lost to a place that
 /// cannot be written, and no output overwrites an input.
@@ -9,6 +12,7 @@ class OutputClaims {
  public:
   /// A file or folder that is read. An empty path is none.
   void reads(const std::string& path);
+  void reads(const std::vector<flies::PairPaths>& pairs);
 
   /// A file that is written; nothing of it is left behind. An empty path is none, "-" standard output; devices and
   /// pipes may be written more than once.
