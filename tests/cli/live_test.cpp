@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -21,9 +22,11 @@ namespace flies::testing {
 namespace {
 
 using nlohmann::json;
+using ::testing::DoubleNear;
 using ::testing::Each;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::Pointwise;
 using ::testing::SizeIs;
 using Words = std::vector<std::string>;
 
@@ -94,6 +97,7 @@ TEST_F(LiveCommand, FollowsAFilmOfBothPictures) {
     EXPECT_NEAR(record.at("time_s").get<double>(), i / 20.0, 1e-3);
     EXPECT_GT(record.at("live").at("latency_ms").get<double>(), 0.0);
     EXPECT_EQ(record.at("live").at("dropped"), 0);
+    EXPECT_EQ(record.at("live").at("skipped"), 0);
     EXPECT_TRUE(sees_the_box(record)) << i;
   }
   EXPECT_TRUE(all.back().at("ego").at("is_known").get<bool>());
@@ -122,6 +126,24 @@ TEST_F(LiveCommand, IsMadeOfWhatTrackIsMadeOf) {
   EXPECT_EQ(run, json::parse(lines(of_track.out).front()).at("run"));
   EXPECT_EQ(run.at("people_model"), "flies-48x96-network");
   EXPECT_LT(run.at("options").at("road.x_min_m").get<double>(), 4.0) << "a low camera sees the road sooner";
+}
+
+TEST_F(LiveCommand, FoldersComeInTheirOwnTimes) {
+  std::ofstream(folder.path() / "times.txt") << "5.0\n5.2\n5.25\n";
+  const auto times_of = [](const std::vector<json>& all) {
+    std::vector<double> times_s;
+    for (const auto& record : all) times_s.push_back(record.at("time_s").get<double>());
+    return times_s;
+  };
+  const Words words = {"left", "right", "--calib", "calib.txt", "--every-pair", "--json", "-"};
+  Words with_times = words;
+  with_times.insert(with_times.end(), {"--times", "times.txt"});
+  EXPECT_THAT(times_of(records(with_times)), Pointwise(DoubleNear(1e-6), {0.0, 0.2, 0.25}));
+  EXPECT_THAT(times_of(records(words)), Pointwise(DoubleNear(1e-6), {0.0, 0.1, 0.2})) << "10 a second";
+
+  const RunResult film = run({"beside.avi", "--calib", "calib.txt", "--times", "times.txt"});
+  EXPECT_EQ(film.status, 2);
+  EXPECT_THAT(film.err, HasSubstr("--times: is for folders of images"));
 }
 
 TEST_F(LiveCommand, QuietSaysNothingButResults) {
@@ -338,6 +360,29 @@ TEST_F(LiveCommand, FullDiskEndsTheRun) {
   const RunResult result = run({"beside.avi", "--calib", "calib.txt", "--loop", "--json", "/dev/full"});
   EXPECT_EQ(result.status, 2);
   EXPECT_THAT(result.err, HasSubstr("/dev/full: cannot write"));
+}
+
+TEST_F(LiveCommand, DiskThatFillsUpInTheMiddleLeavesWhatIsWhole) {
+  const Words endless = {"left", "right", "--calib", "calib.txt", "--every-pair", "--loop"};
+  const auto run_into_limit = [&](const char* option, const char* file, const char* limit = "ulimit -f 2000;") {
+    Words words = endless;
+    words.insert(words.end(), {option, file, "--pairs", "300"});
+    const RunResult result = run(words, limit);
+    EXPECT_EQ(result.status, 2) << file;
+    EXPECT_THAT(result.err, HasSubstr(std::string(file) + ": cannot"));
+  };
+  run_into_limit("--json", "out.jsonl");
+  const auto written = lines(read_text(folder.path() / "out.jsonl"));
+  ASSERT_FALSE(written.empty());
+  for (std::size_t i = 0; i < written.size(); ++i) EXPECT_EQ(json::parse(written[i]).at("frame"), i);
+
+  run_into_limit("--record", "out.mcap");
+  const RunResult track = run_flies(folder.path(), {"track", "out.mcap", "--json", "-"});
+  EXPECT_EQ(track.status, 0) << track.err;
+  EXPECT_FALSE(lines(track.out).empty());
+
+  run_into_limit("--video", "out.mp4", "ulimit -f 8;");
+  EXPECT_FALSE(fs::exists(folder.path() / "out.mp4"));
 }
 
 TEST(LiveModules, OtherCommandsDoNotLoadThem) {

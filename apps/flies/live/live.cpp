@@ -37,6 +37,7 @@ struct LiveArguments {
   MethodArguments method;
   Overrides following;
   flies::PairStreamRequest stream;
+  std::string times;
   std::vector<int> size_px;
   double max_skew_ms = 20.0;
   std::uint64_t max_pairs = 0;
@@ -61,20 +62,26 @@ int port_number(const std::string& text, const std::string& option) {
   return static_cast<int>(port);
 }
 
-/// Folders become lists of pairs with an even rate.
+/// Folders become lists of pairs with their times.
 void open_folders(LiveArguments& arguments) {
-  if (!flies::detail::is_there_as_folder(arguments.sources.front())) return;
+  if (!flies::detail::is_there_as_folder(arguments.sources.front())) {
+    if (!arguments.times.empty())
+      throw flies::InputError("command line", "--times",
+                              "is for folders of images; other sources have their own times");
+    return;
+  }
   SequenceRequest request;
   request.sources = arguments.sources;
   request.reading = arguments.stream.reading;
   request.calib = arguments.calib;
+  request.times = arguments.times;
   if (arguments.stream.rate_hz > 0.0) request.rate_hz = arguments.stream.rate_hz;
   if (!arguments.camera.cameras.empty())
     request.cameras = std::array{arguments.camera.cameras[0], arguments.camera.cameras[1]};
   SequenceSource sequence = open_sequence(request);
   say_notes(sequence.notes);
   arguments.calib = sequence.calib;
-  const auto& times_s = sequence.times_s;
+  const auto& times_s = arguments.stream.times_s = std::move(sequence.times_s);
   if (arguments.stream.rate_hz <= 0.0 && times_s.size() > 1)
     arguments.stream.rate_hz = static_cast<double>(times_s.size() - 1) / (times_s.back() - times_s.front());
   arguments.stream.folder = std::move(sequence.pairs);
@@ -106,8 +113,8 @@ LiveRequest live_request(LiveArguments& arguments) {
 void check_outputs(const LiveArguments& arguments) {
   OutputClaims claims;
   for (const auto& source : arguments.sources) claims.reads(source);
-  for (const auto& path :
-       {arguments.calib, arguments.camera.right_calib, arguments.method.options_file, arguments.method.model})
+  for (const auto& path : {arguments.calib, arguments.times, arguments.camera.right_calib,
+                           arguments.method.options_file, arguments.method.model})
     claims.reads(path);
   claims.writes_in_place(arguments.json, "--json");
   claims.writes_in_place(arguments.record, "--record");
@@ -247,9 +254,16 @@ void add_source_options(CLI::App& command, LiveArguments& arguments) {
       ->check(CLI::Range(16, 100000).description(""))
       ->type_name("W,H");
   command
-      .add_option("--rate", arguments.stream.rate_hz, "pairs a second: of films and folders, or to ask a camera for")
+      .add_option("--rate", arguments.stream.rate_hz,
+                  "pairs a second: of films and folders, instead of their own, or to ask a camera for")
       ->check(CLI::Range(0.01, 10000.0).description(""))
       ->type_name("HZ");
+  command
+      .add_option(
+          "--times", arguments.times,
+          "times of a folder's pairs, one a line: seconds, or as KITTI raw has them; else --rate, a drive's own, "
+          "those in the names, or 10 a second")
+      ->type_name("FILE");
   command.add_flag("--loop", arguments.stream.is_looped, "begin films and folders again at their end");
   command.add_flag("--every-pair", arguments.stream.is_patient,
                    "of films and folders: as fast as it goes, and no pair is dropped");

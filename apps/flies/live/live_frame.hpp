@@ -17,6 +17,7 @@ struct LivePair {
   std::uint64_t number = 0;  ///< counts the pairs of the source from 0; gaps in what follows are dropped ones
   flies::GrayPair images;    ///< rectified
   double time_s = 0.0, skew_s = 0.0;
+  std::uint64_t skipped = 0;  ///< pictures of the source so far that newer ones overtook unread; they have no number
   std::string left_name, right_name;
 };
 

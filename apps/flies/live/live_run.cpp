@@ -177,6 +177,7 @@ std::shared_ptr<LivePair> LiveRun::prepare(flies::StereoFrame frame) {
   for (const auto& note : watch_.look(pair->images.view(), calibration_->camera, frame.left_name)) say(note);
   pair->time_s = frame.time_s;
   pair->skew_s = frame.skew_s;
+  pair->skipped = frame.skipped;
   pair->left_name = std::move(frame.left_name);
   pair->right_name = std::move(frame.right_name);
   return pair;

@@ -147,9 +147,13 @@ flies::WebAnswer View::state(const flies::WebRequest& request) {
   const auto source = run_ != nullptr ? run_->source_counts() : flies::PairStreamCounts{};
   lock.unlock();
   state.update(view_frame(frame));
-  state["rates"] = {
-      {"pairs_hz", rates.pairs_hz},         {"latency_ms", rates.latency_ms}, {"latency_p99_ms", rates.latency_p99_ms},
-      {"dropped", frame.snapshot->dropped}, {"broken", source.broken},        {"losses", source.losses}};
+  state["rates"] = {{"pairs_hz", rates.pairs_hz},
+                    {"latency_ms", rates.latency_ms},
+                    {"latency_p99_ms", rates.latency_p99_ms},
+                    {"dropped", frame.snapshot->dropped},
+                    {"skipped", frame.pair->skipped},
+                    {"broken", source.broken},
+                    {"losses", source.losses}};
   flies::WebAnswer answer = json_answer(state);
   answer.body.back() = ',';
   answer.body += R"("record":)" + json_line(frame) + "}";

@@ -39,6 +39,7 @@ LineFile::LineFile(const std::string& path) : path_(path) {
   if (path == "-" || !is_regular(descriptor_)) return;
   try {
     take(descriptor_, path_);
+    is_ours_ = true;
   } catch (...) {
     ::close(descriptor_);
     throw;
@@ -53,7 +54,13 @@ void LineFile::write(const std::string& line) {
   for (std::size_t done = 0; done < line.size();) {
     const auto count = ::write(descriptor_, line.data() + done, line.size() - done);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) fail(path_, errno);
+    if (count <= 0) {
+      const int error_number = errno;
+      // Takes no space, so it works on a full disk too; where it does not, the fault is told below all the same.
+      [[maybe_unused]] const int truncated = is_ours_ ? ::ftruncate(descriptor_, whole_) : 0;
+      fail(path_, error_number);
+    }
     done += static_cast<std::size_t>(count);
   }
+  whole_ += static_cast<off_t>(line.size());
 }

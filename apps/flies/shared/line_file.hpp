@@ -1,9 +1,12 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <string>
 
 /// A file that grows line by line under its own name, for readers that follow it: every line is handed over whole, so
-/// that whatever ends the program leaves whole lines. Only one run at a time may write it. "-" is standard output.
+/// that whatever ends the program, a full disk too, leaves whole lines. Only one run at a time may write it. "-" is
+/// standard output.
 class LineFile {
  public:
   /// @throws flies::InputError naming the file when it cannot be created, or another run is writing it
@@ -19,4 +22,6 @@ class LineFile {
  private:
   std::string path_;
   int descriptor_ = -1;
+  bool is_ours_ = false;  ///< a regular file, which nobody else writes
+  off_t whole_ = 0;       ///< bytes of whole lines
 };

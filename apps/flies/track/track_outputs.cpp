@@ -91,7 +91,8 @@ std::string track_json_line(const TrackedFrame& frame, const std::string& error)
   if (frame.live)
     object["live"] = {{"latency_ms", rounded(frame.live->latency_ms)},
                       {"skew_ms", rounded(frame.live->skew_ms)},
-                      {"dropped", frame.live->dropped}};
+                      {"dropped", frame.live->dropped},
+                      {"skipped", frame.live->skipped}};
   constexpr int kOneLine = -1;
   return object.dump(kOneLine, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -146,7 +146,7 @@ class Reading {
         if (usable_ > before) pause_s = options.first_pause_s;
         if (!options.is_living) {
           if (!options.is_looped || usable_ == before) return state_->end(mine_);
-          offset_ += index_;
+          rounds_s_ = next_s_;
           index_ = 0;
         } else {
           std::unique_lock lock(state_->mutex);
@@ -205,8 +205,9 @@ class Reading {
   void stamp_file(SourceFrame& frame, const FrameReader& reader) {
     double rate_hz = state_->options.rate_hz > 0.0 ? state_->options.rate_hz : reader.rate_hz();
     if (!(rate_hz > 0.0)) rate_hz = kUsualRate_hz;
-    frame.time_s = static_cast<double>(offset_ + index_++) / rate_hz;
     frame.step_s = 1.0 / rate_hz;
+    frame.time_s = rounds_s_ + frame.own_time_s.value_or(static_cast<double>(index_++) / rate_hz);
+    next_s_ = frame.time_s + frame.step_s;
   }
 
   /// Waits until a frame of a file is due.
@@ -274,7 +275,8 @@ class Reading {
   int mine_;
   Clock::time_point began_;
   std::uint64_t usable_ = 0;
-  std::uint64_t index_ = 0, offset_ = 0;  ///< of a file's frame, and the frames of the rounds before
+  std::uint64_t index_ = 0;               ///< of a file's frame in this round
+  double rounds_s_ = 0.0, next_s_ = 0.0;  ///< what the rounds before took, and when the next frame is due
   Clock::duration late_{};
   std::deque<double> arrivals_s_;  ///< the last ones
   GrayImage last_;
@@ -328,6 +330,7 @@ FrameStream::Answer FrameStream::next(SourceFrame& frame, std::chrono::milliseco
   state_->came.wait_for(lock, timeout, [&] { return !state_->waiting.empty() || state_->has_ended; });
   if (!state_->waiting.empty()) {
     frame = std::move(state_->waiting.front());
+    frame.skipped = state_->counts.skipped;  // the oldest go first: all of them came before
     state_->waiting.pop_front();
     state_->taken.notify_all();
     return Answer::frame;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "flies/io/gray_image.hpp"
@@ -12,9 +13,11 @@ namespace flies {
 
 /// What one reading gives: a picture, or both of a pair.
 struct SourceFrame {
-  GrayPair images;    ///< `right` is empty when the source gives single pictures
-  double time_s = 0;  ///< since the stream began
-  double step_s = 0;  ///< usual time between pictures of the source; 0: not known yet
+  GrayPair images;                        ///< `right` is empty when the source gives single pictures
+  double time_s = 0;                      ///< since the stream began
+  double step_s = 0;                      ///< usual time between pictures of the source; 0: not known yet
+  std::optional<double> own_time_s = {};  ///< of a file that says when: since its first frame
+  std::uint64_t skipped = 0;              ///< frames of the source so far that were thrown away for newer ones
   std::string left_name, right_name;
 };
 
@@ -22,7 +25,7 @@ struct SourceFrame {
 class FrameReader {
  public:
   virtual ~FrameReader() = default;
-  /// Waits for the next frame and fills in images and names.
+  /// Waits for the next frame and fills in images and names, and its own time, of a broken one too.
   /// @returns false when there is none any more
   /// @throws InputError when this frame is broken; the next may be well
   virtual bool read(SourceFrame& frame) = 0;

@@ -307,6 +307,7 @@ TEST(FrameStream, LivingSourceGivesTheNewest) {
   ASSERT_EQ(stream.next(frame, 1s), FrameStream::Answer::frame);
   EXPECT_EQ(frame.images.left.pixels[0], 17);  // three wait
   EXPECT_EQ(stream.counts().skipped, 17U);
+  EXPECT_EQ(frame.skipped, 17U);
 }
 
 TEST(FrameStream, SourceThatCannotBeOpenedAtFirstIsAnError) {

@@ -12,7 +12,9 @@ namespace flies {
 class PairFolder final : public FrameReader {
  public:
   /// @param rate_hz pairs a second
-  PairFolder(std::vector<PairPaths> pairs, const PairReading& reading, double rate_hz);
+  /// @param times_s of the pairs, from anywhere, ascending; none: they come at an even rate
+  PairFolder(std::vector<PairPaths> pairs, const PairReading& reading, double rate_hz,
+             std::vector<double> times_s = {});
   bool read(SourceFrame& frame) override;
   double rate_hz() const override { return rate_hz_; }
 
@@ -20,6 +22,7 @@ class PairFolder final : public FrameReader {
   std::vector<PairPaths> pairs_;
   PairReading reading_;
   double rate_hz_;
+  std::vector<double> times_s_;
   std::size_t next_ = 0;
 };
 

@@ -62,9 +62,9 @@ FrameStreamOptions stream_options(const PairStreamRequest& request, const std::s
 
 OpenReader folder_opener(const PairStreamRequest& request) {
   constexpr double kUsualRate_hz = 10.0;
-  return [pairs = request.folder, reading = request.reading,
+  return [pairs = request.folder, reading = request.reading, times_s = request.times_s,
           rate_hz = request.rate_hz > 0.0 ? request.rate_hz : kUsualRate_hz] {
-    return std::make_unique<PairFolder>(pairs, reading, rate_hz);
+    return std::make_unique<PairFolder>(pairs, reading, rate_hz, times_s);
   };
 }
 
@@ -148,6 +148,7 @@ Answer PairStream::next_of_one(StereoFrame& frame, std::chrono::milliseconds tim
   if (answer != Answer::frame) return answer;
   frame.time_s = read.time_s;
   frame.skew_s = 0.0;
+  frame.skipped = read.skipped;
   try {
     frame.images = read.images.right.pixels.empty() ? split_picture(read.images.left, request_.layout, read.left_name)
                                                     : std::move(read.images);
@@ -190,6 +191,7 @@ Answer PairStream::next_of_two(StereoFrame& frame, std::chrono::milliseconds tim
   frame.time_s = offset_s_ + std::max(left_->time_s, right_->time_s);
   round_end_s_ = frame.time_s + std::max(left_->step_s, right_->step_s);
   frame.skew_s = right_->time_s - left_->time_s;
+  frame.skipped = left_->skipped + right_->skipped;
   frame.images.left = std::move(left_->images.left);
   frame.images.right = std::move(right_->images.left);
   frame.left_name = left_->left_name;

@@ -21,6 +21,7 @@ enum class PairLayout { side_by_side, top_bottom };
 struct PairStreamRequest {
   std::vector<std::string> sources = {};         ///< films, devices, pipelines: one of both pictures, or left and right
   std::vector<PairPaths> folder = {};            ///< instead of them, image files
+  std::vector<double> times_s = {};              ///< of these, ascending; none: they come at an even rate
   PairLayout layout = PairLayout::side_by_side;  ///< of one source; the left picture comes first
   PairReading reading = {};                      ///< how image files hold pairs; `bayer` also of films and devices
   int width_px = 0, height_px = 0;               ///< asked of devices; 0: what they do by themselves
@@ -34,8 +35,9 @@ struct PairStreamRequest {
 /// A pair of a living source or a film.
 struct StereoFrame {
   GrayPair images;
-  double time_s = 0.0;  ///< of the later of both pictures, since the stream began
-  double skew_s = 0.0;  ///< of the right picture after the left one
+  double time_s = 0.0;        ///< of the later of both pictures, since the stream began
+  double skew_s = 0.0;        ///< of the right picture after the left one
+  std::uint64_t skipped = 0;  ///< pictures so far that were thrown away because newer ones came
   std::string left_name, right_name;
 };
 

@@ -18,7 +18,9 @@ namespace {
 
 using namespace std::chrono_literals;
 using ::testing::Contains;
+using ::testing::DoubleNear;
 using ::testing::HasSubstr;
+using ::testing::Pointwise;
 using ::testing::SizeIs;
 using ::testing::ThrowsMessage;
 
@@ -59,6 +61,20 @@ struct PairStreamTest : ::testing::Test {
       const std::lock_guard lock(mutex);
       told.push_back(sentence);
     };
+  }
+
+  /// @param middle_width_px of the second pair
+  std::vector<PairPaths> three_pairs(int middle_width_px = 128) const {
+    std::vector<PairPaths> pairs;
+    for (int i = 0; i < 3; ++i) {
+      const std::string name = std::to_string(i) + ".png";
+      const PairPaths paths{folder.file("l" + name), folder.file("r" + name)};
+      const int width = i == 1 ? middle_width_px : 128;
+      cv::imwrite(paths.left, testing::toy_picture(20 + 10 * i, width, 64));
+      cv::imwrite(paths.right, testing::toy_picture(30 + 10 * i, width, 64));
+      pairs.push_back(paths);
+    }
+    return pairs;
   }
 
   std::vector<StereoFrame> all_of(const PairStreamRequest& request, std::size_t most = 100) {
@@ -208,13 +224,7 @@ TEST_F(PairStreamTest, OnlyThePictureOfAnotherSizeIsNamed) {
 }
 
 TEST_F(PairStreamTest, FolderSkipsADamagedPair) {
-  std::vector<PairPaths> pairs;
-  for (int i = 0; i < 3; ++i) {
-    const PairPaths paths{folder.file("l" + std::to_string(i) + ".png"), folder.file("r" + std::to_string(i) + ".png")};
-    cv::imwrite(paths.left, testing::toy_picture(20 + 10 * i, 128, 64));
-    cv::imwrite(paths.right, testing::toy_picture(30 + 10 * i, 128, 64));
-    pairs.push_back(paths);
-  }
+  const auto pairs = three_pairs();
   folder.write("l1.png", "damaged");
   const auto frames = all_of({.folder = pairs, .rate_hz = 100.0});
   ASSERT_THAT(frames, SizeIs(2));
@@ -224,15 +234,19 @@ TEST_F(PairStreamTest, FolderSkipsADamagedPair) {
   EXPECT_THAT(told, Contains(HasSubstr("l1.png")));
 }
 
+TEST_F(PairStreamTest, FolderComesInItsOwnTimes) {
+  const auto pairs = three_pairs();
+  folder.write("l2.png", "damaged");
+  const auto frames = all_of(
+      {.folder = pairs, .times_s = {100.0, 100.25, 100.4}, .rate_hz = 5.0, .is_looped = true, .is_patient = true}, 4);
+  std::vector<double> times_s;
+  for (const auto& frame : frames) times_s.push_back(frame.time_s);
+  // A damaged last pair takes its time, and a usual step lies between the rounds.
+  EXPECT_THAT(times_s, Pointwise(DoubleNear(1e-9), {0.0, 0.25, 0.6, 0.85}));
+}
+
 TEST_F(PairStreamTest, PictureOfAnotherSizeIsLeftOut) {
-  std::vector<PairPaths> pairs;
-  for (int i = 0; i < 3; ++i) {
-    const PairPaths paths{folder.file("l" + std::to_string(i) + ".png"), folder.file("r" + std::to_string(i) + ".png")};
-    const int width = i == 1 ? 96 : 128;
-    cv::imwrite(paths.left, testing::toy_picture(20 + 10 * i, width, 64));
-    cv::imwrite(paths.right, testing::toy_picture(30 + 10 * i, width, 64));
-    pairs.push_back(paths);
-  }
+  const auto pairs = three_pairs(96);
   ASSERT_THAT(all_of({.folder = pairs, .is_patient = true}), SizeIs(2));
   EXPECT_THAT(told, Contains(HasSubstr("found 96 x 64 px, expected 128 x 64 px as before")));
 }

@@ -182,9 +182,10 @@ function showNotes(notes) {
   });
 }
 
-function showRates({ pairs_hz, latency_ms, latency_p99_ms, dropped, broken, losses }) {
+function showRates({ pairs_hz, latency_ms, latency_p99_ms, dropped, skipped, broken, losses }) {
   const parts = [`${pairs_hz.toFixed(1)} pairs a second`,
     `latency ${latency_ms.toFixed(1)} ms, 99 %: ${latency_p99_ms.toFixed(1)} ms`, `${dropped} dropped`];
+  if (skipped > 0) parts.push(`${skipped} overtaken unread`);
   if (broken > 0) parts.push(`${broken} broken`);
   if (losses > 0) parts.push(`source gone ${losses} times`);
   $("rates").textContent = parts.join("; ");
