@@ -40,17 +40,20 @@ void run(const flies::GrayPair& images, flies::StereoCamera camera) {
   const auto seen = std::count(scan.states.begin(), scan.states.end(), flies::SectorState::obstacle);
   std::printf("scan: %zu sectors, an obstacle in %td\n", scan.size(), seen);
 
-  // 4. Concentrating: from many flies to few obstacles. Every step on the way is part of the result.
+  // 4. Concentrating: from many flies to few obstacles. Every step on the way is part of the result. What flies and
+  //    scan show of one thing is then made whole.
   const flies::ConcentrateResult concentrated =
       flies::concentrate(population, projection, road.plane, options.field, options.concentrate);
   std::printf("concentrate: %zu view-angles, %zu shifted points, %zu candidates, %zu obstacles\n",
               concentrated.view_angles.size(), concentrated.shifted.size(), concentrated.candidates.size(),
               concentrated.obstacles.size());
+  const auto obstacles =
+      flies::whole_obstacles(concentrated.obstacles, scan, projection, road.plane, options.concentrate.whole);
 
   const auto classifier = flies::default_people_classifier();
 
-  // 5. Where would a person be, if the obstacle were one? Boxes with the feet on the road, of several heights, and the
-  //    same before surfaces of the scan that no obstacle covers.
+  // 5. Where would a person be, if what the flies show were one? Boxes with the feet on the road, of several heights,
+  //    and the same before surfaces of the scan that no obstacle covers.
   const auto rois = flies::propose_rois(concentrated.obstacles, scan, projection, road.plane, pair.left.width_px,
                                         pair.left.height_px, flies::for_classifier(options.propose, *classifier));
   std::printf("propose: %zu boxes\n", rois.size());
@@ -59,7 +62,16 @@ void run(const flies::GrayPair& images, flies::StereoCamera camera) {
   const auto pedestrians = flies::find_people(pair.left, rois, *classifier, options.classify).pedestrians;
   std::printf("classify: %zu pedestrians with the model %s\n", pedestrians.size(), classifier->name().c_str());
 
-  std::printf("%zu obstacles, %zu pedestrians\n", concentrated.obstacles.size(), pedestrians.size());
+  // The lines of 01_detect.
+  for (const auto& obstacle : obstacles) {
+    std::printf("obstacle   at %5.1f m ahead, %5.1f m to the left, %.1f m wide, %.1f m tall\n", obstacle.x_m,
+                obstacle.y_m, obstacle.width_m, obstacle.height_m);
+  }
+  for (const auto& person : pedestrians) {
+    std::printf("pedestrian at %5.1f m ahead, %5.1f m to the left, %.1f m tall\n", person.x_m, person.y_m,
+                person.height_m);
+  }
+  std::printf("%zu obstacles, %zu pedestrians\n", obstacles.size(), pedestrians.size());
 }
 
 }  // namespace

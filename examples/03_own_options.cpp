@@ -13,9 +13,10 @@
 
 namespace {
 
-void compare(const char* name, const flies::DetectorOptions& options, const flies::StereoCamera& camera,
-             const flies::RectifiedPair& pair) {
-  const flies::Detection detection = flies::Detector(camera, options).process(pair);
+/// The people model is no option but a part of the detector: each preset has one that belongs to it.
+void compare(const char* name, const flies::DetectorOptions& options, flies::Preset preset,
+             const flies::StereoCamera& camera, const flies::RectifiedPair& pair) {
+  const flies::Detection detection = flies::Detector(camera, options, flies::preset_classifier(preset)).process(pair);
   const double total_ms = std::accumulate(detection.stage_ms.begin(), detection.stage_ms.end(), 0.0);
   std::printf("%-8s %6zu flies %4zu obstacles %4zu pedestrians %8.1f ms\n", name, detection.evolved.flies.size(),
               detection.obstacles.size(), detection.pedestrians.size(), total_ms);
@@ -61,9 +62,11 @@ int main(int argc, char** argv) {
 
     const flies::DetectorOptions own = own_options(std::span(argv, static_cast<std::size_t>(argc)).subspan(4));
     print_changes(own);
-    compare("paper", flies::preset_options(flies::Preset::paper), input.camera, input.images.view());
-    compare("default", flies::preset_options(flies::Preset::standard), input.camera, input.images.view());
-    compare("own", own, input.camera, input.images.view());
+    const auto pair = input.images.view();
+    using enum flies::Preset;
+    compare("paper", flies::preset_options(paper), paper, input.camera, pair);
+    compare("default", flies::preset_options(standard), standard, input.camera, pair);
+    compare("own", own, standard, input.camera, pair);
     return 0;
   } catch (const flies::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());

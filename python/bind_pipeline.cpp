@@ -30,8 +30,7 @@ constexpr const char* kMakeDoc =
 std::shared_ptr<const flies::PeopleClassifier> classifier_of(const std::string& preset,
                                                              const std::optional<std::string>& model) {
   if (model) return model->empty() ? nullptr : flies::people_classifier(*model);
-  if (preset == flies::enum_name(flies::Preset::paper)) return flies::people_classifier("flies-48x96-linear");
-  return flies::default_people_classifier();
+  return flies::preset_classifier(flies::preset_named(preset, "preset"));
 }
 
 /// One call at a time, whatever threads Python has: the others wait, without the interpreter's lock.

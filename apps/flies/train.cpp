@@ -253,7 +253,8 @@ void setup_train(CLI::App& app) {
       "\nA part of the pictures is kept apart for calibration, threshold and the numbers that are printed.\n"
       "Same pictures, seed and options give the same file. docs/training.md tells how it works.\n"
       "\nExample:\n"
-      "  flies train --positives people/positives --negatives people/negatives --kernel rbf --out mine.json\n"
+      "  flies train --positives data/people/train/positives --negatives data/people/train/negatives --kernel rbf "
+      "--out mine.json\n"
       "  flies detect left.png right.png --calib calib.txt --model mine.json\n"
       "  flies train --network --help           the options of a network's training\n"
       "\nExit status: 0 done, 2 a fault in the input, told in one line.");

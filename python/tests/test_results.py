@@ -101,3 +101,15 @@ def test_options_are_listed_with_their_values():
     assert "track.gate" in options and "ego.corners" in options
     paper = {name: value for name, value, _, _ in flies.options("paper")}
     assert paper["evolve.flies"] == "3000"
+
+
+def test_paper_has_the_people_model_that_belongs_to_it(pair, camera):
+    unsure = {"classify": {"threshold_offset": -3, "one_stage_threshold_offset": -3}}  # so that somebody is reported
+
+    def people(**choice):
+        found = flies.Detector(camera, unsure, preset="paper", **choice).process(*pair)
+        return found.pedestrian_array.tolist()
+
+    assert len(people()) > 0
+    assert people() == people(model="flies-48x96-linear")
+    assert people() != people(model="flies-48x96-network")

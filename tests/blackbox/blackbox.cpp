@@ -77,7 +77,7 @@ void print_table(const std::string& title, const std::vector<ObjectRow>& rows) {
   }
 }
 
-void print_summary(const std::vector<ScoredFrame>& frames) {
+Measures print_summary(const std::vector<ScoredFrame>& frames) {
   std::vector<FrameTruth> truths;
   std::vector<FrameScore> scores;
   for (const auto& frame : frames) {
@@ -87,6 +87,7 @@ void print_summary(const std::vector<ScoredFrame>& frames) {
   const Measures measures = summarize(truths, scores);
   fmt::print("recall {}, precision {}, range error {}, obstacles a frame {:.1f}\n", percent(measures.all.recall),
              percent(measures.all.precision), percent(measures.all.range_error), measures.obstacles_per_frame);
+  return measures;
 }
 
 }  // namespace flies::blackbox

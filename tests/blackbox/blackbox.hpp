@@ -50,7 +50,7 @@ std::vector<ObjectRow> tabulate(const std::vector<ScoredFrame>& frames);
 /// Prints the rows under a title.
 void print_table(const std::string& title, const std::vector<ObjectRow>& rows);
 
-/// Prints precision, recall, range error and obstacles per frame on one line.
-void print_summary(const std::vector<ScoredFrame>& frames);
+/// Prints precision, recall, range error and obstacles per frame on one line. @returns all measures
+Measures print_summary(const std::vector<ScoredFrame>& frames);
 
 }  // namespace flies::blackbox

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
 
 #include "flies/eval/kitti_truth.hpp"
 #include "flies/io/calibration.hpp"
@@ -12,10 +11,16 @@ namespace flies::blackbox {
 namespace {
 
 constexpr const char* kFolder = "kitti_object/training";
-constexpr double kMinFound = 0.9;  // of the road users near enough to brake for
-constexpr double kNear_m = 25.0;
+// What README.md and docs/people.md publish of both halves, and one object, obstacle or report less: every road user
+// 5 to 40 m away, both people and no false alarm. Precision is against the lidar of the one pair that has some, 14 of
+// 14 on 2026-11-29, which is too little to publish.
+constexpr int kObjects = 29;
+constexpr int kMaxMissed = 1;
+constexpr int kMaxFalseObstacles = 1;
+constexpr int kPeople = 2;
+constexpr int kMaxFalsePeople = 1;
 
-TEST(BlackBoxKittiObject, FindsTheNearObjects) {
+TEST(BlackBoxKittiObject, FindsEveryRoadUser) {
   const auto folder = find_data(kFolder);
   if (!folder) GTEST_SKIP() << absence(kFolder);
   std::vector<std::string> names;
@@ -26,7 +31,6 @@ TEST(BlackBoxKittiObject, FindsTheNearObjects) {
   ASSERT_FALSE(names.empty());
 
   std::vector<ScoredFrame> frames;
-  Rate near;
   for (const auto& name : names) {
     const auto left = *folder / "image_2" / (name + ".png"), right = *folder / "image_3" / (name + ".png");
     const GrayImage size = load_gray_image(left.string());
@@ -37,17 +41,16 @@ TEST(BlackBoxKittiObject, FindsTheNearObjects) {
     Detector detector(camera);
     frames.push_back(detect_and_score(detector, left, right, read_kitti_object(*folder, name, camera)));
     print_table("KITTI object " + name, tabulate({frames.back()}));
-    for (std::size_t i = 0; i < frames.back().truth.objects.size(); ++i) {
-      const auto& verdict = frames.back().score.objects[i];
-      if (!verdict.counted || near_range_m(frames.back().truth.objects[i].footprint) > kNear_m) continue;
-      near.hits += verdict.found;
-      ++near.total;
-    }
   }
-  print_summary(frames);
-  ASSERT_GT(near.total, 0);
-  EXPECT_GE(*near.value(), kMinFound) << near.hits << " of " << near.total << " objects nearer than " << kNear_m
-                                      << " m";
+  const Accuracy all = print_summary(frames).all;
+  EXPECT_EQ(all.recall.total, kObjects);
+  EXPECT_GE(all.recall.hits, kObjects - kMaxMissed);
+  ASSERT_GT(all.precision.total, 0);
+  EXPECT_LE(all.precision.total - all.precision.hits, kMaxFalseObstacles);
+  const PeopleCount people = count_people(frames);
+  EXPECT_EQ(people.wanted, kPeople);
+  EXPECT_EQ(people.found, kPeople);
+  EXPECT_LE(people.false_alarms, kMaxFalsePeople);
 }
 
 }  // namespace

@@ -16,7 +16,14 @@
 namespace flies::blackbox {
 namespace {
 
-constexpr double kMinRecall = 0.95;  // far below what is usual: catches a tracker that loses what the detector sees
+// What docs/dynamic.md publishes, for each of three seeds: 159 of 159 objects with a track, no switch, no fragment,
+// errors of moving things 0.31 to 0.32 and 0.51 to 0.52 m/s, none of 43 standing things said to move, of tracks on no
+// label up to 1.5 %. One object more may be missed, errors may be a tenth larger, and 2 % are what is aimed at.
+constexpr int kObjects = 159;
+constexpr int kMaxMissed = 1;
+constexpr double kMaxMedianError_mps = 0.35, kMaxError90_mps = 0.57;
+constexpr int kStanding = 43;
+constexpr double kMaxUnlabelledMotion = 0.02;
 constexpr const char* kDay = "kitti_raw/2011_09_26";
 constexpr const char* kDrive = "2011_09_26_drive_0005_sync";
 
@@ -57,15 +64,22 @@ TEST(BlackBoxKittiTrack, FollowsTheRoadUsers) {
               static_cast<double>(reported) / static_cast<double>(frames.size()), m.found, m.objects,
               m.identity_switches, m.fragments);
   ASSERT_FALSE(m.moving_errors_mps.empty() || m.standing_errors_mps.empty());
-  std::printf("velocity error m/s, median and 90 %%: moving %.2f %.2f (%zu), standing %.2f %.2f (%zu)\n",
-              quantile(m.moving_errors_mps, 0.5), quantile(m.moving_errors_mps, 0.9), m.moving_errors_mps.size(),
-              quantile(m.standing_errors_mps, 0.5), quantile(m.standing_errors_mps, 0.9), m.standing_errors_mps.size());
+  const double median_mps = quantile(m.moving_errors_mps, 0.5), error90_mps = quantile(m.moving_errors_mps, 0.9);
+  std::printf("velocity error m/s, median and 90 %%: moving %.2f %.2f (%zu), standing %.2f %.2f (%zu)\n", median_mps,
+              error90_mps, m.moving_errors_mps.size(), quantile(m.standing_errors_mps, 0.5),
+              quantile(m.standing_errors_mps, 0.9), m.standing_errors_mps.size());
   std::printf("faster than 1 m/s: %d of %d labelled standing, %d of %d unlabelled\n", m.false_motion, m.standing,
               m.unlabelled_moving, m.unlabelled);
-  ASSERT_GT(m.objects, 0);
-  EXPECT_GE(m.found, kMinRecall * m.objects);
+  EXPECT_EQ(m.objects, kObjects);
+  EXPECT_GE(m.found, kObjects - kMaxMissed);
   EXPECT_EQ(m.identity_switches, 0);
   EXPECT_EQ(m.fragments, 0);
+  EXPECT_LE(median_mps, kMaxMedianError_mps);
+  EXPECT_LE(error90_mps, kMaxError90_mps);
+  EXPECT_GE(m.standing, kStanding - kMaxMissed);
+  EXPECT_EQ(m.false_motion, 0) << "one would be more than the 2 % aimed at";
+  ASSERT_GT(m.unlabelled, 0);
+  EXPECT_LE(m.unlabelled_moving, kMaxUnlabelledMotion * m.unlabelled);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "run_flies.hpp"
@@ -66,7 +67,68 @@ TEST_P(OneBadPair, CostsThatPairWhenItIsALoopOfLinks) {
   expect_the_others(name("l"));
 }
 
+TEST_P(OneBadPair, CostsThatPairWhenItIsOfAnotherSize) {
+  for (const char* side : {"l", "r"}) {
+    cv::Mat larger;
+    cv::resize(side[0] == 'l' ? street_pair().left : street_pair().right, larger, {400, 350});
+    write_image(folder_.path() / name(side), larger);
+  }
+  expect_the_others(name("l"));
+}
+
 INSTANTIATE_TEST_SUITE_P(Place, OneBadPair, ::testing::Values(0, 1, 2));
+
+/// `flies track` on the folders `l` and `r` of three pairs.
+struct TrackOfFolders : ::testing::Test {
+  TrackOfFolders() {
+    write_street(folder.path());
+    write_folders(folder.path(), 3, 3);
+  }
+  RunResult track(const std::string& left, const std::string& right) const {
+    return run_flies(folder.path(), {"track", left, right, "--calib", "calib.txt", "--rate", "20", "--json", "-"});
+  }
+  void expect_the_others(const cv::Mat& left, const cv::Mat& right, const std::string& named) const {
+    write_image(folder.path() / "l" / "0.png", left);
+    write_image(folder.path() / "r" / "0.png", right);
+    const RunResult result = track("l", "r");
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(lines(result.err).back(), ::testing::HasSubstr("1 of 3 pairs: could not be used, the others were"));
+    ASSERT_THAT(lines(result.out), ::testing::SizeIs(3));
+    EXPECT_THAT(nlohmann::json::parse(lines(result.out)[0]).at("error").get<std::string>(),
+                ::testing::HasSubstr(named));
+    EXPECT_FALSE(nlohmann::json::parse(lines(result.out)[1]).at("obstacles").empty());
+  }
+  TestFolder folder;
+};
+
+TEST_F(TrackOfFolders, AnOddFirstPairCostsNoOther) {
+  const auto& [left, right] = street_pair();
+  cv::Mat large_left, large_right;
+  cv::resize(left, large_left, {400, 350});
+  cv::resize(right, large_right, {400, 350});
+  expect_the_others(large_left, large_right, "400 x 350");
+  expect_the_others(right, left, "swapped");
+  expect_the_others(left, left, "identical");
+}
+
+TEST_F(TrackOfFolders, ARunWithoutATruePairIsRefused) {
+  for (const char* name : {"0.png", "1.png", "2.png"}) write_image(folder.path() / "r" / name, unrelated_picture());
+  const RunResult result = track("l", "r");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(lines(result.err).back(), ::testing::StartsWith("flies: r/0.png: not a pair"));
+  EXPECT_TRUE(result.out.empty());
+}
+
+TEST(BadInputs, ARefusedPairComesWithTheNotesOnItsCalibration) {
+  const TestFolder folder;
+  write_street(folder.path());
+  write_image(folder.path() / "right.png", unrelated_picture());
+  const auto told = [&] { return lines(run_flies(folder.path(), detect()).err); };
+  EXPECT_EQ(told().size(), 1U) << "the mount explains nothing";
+  write_text(folder.path() / "calib.txt", kitti_calibration(300.0, 160.0, 5.0));
+  EXPECT_THAT(told(), ::testing::ElementsAre(::testing::HasSubstr("calib.txt: a baseline of 5 m is hardly"),
+                                             ::testing::StartsWith("flies: right.png: not a pair")));
+}
 
 TEST(BadInputs, PipesAmongImagesArePassedOver) {
   const TestFolder folder;

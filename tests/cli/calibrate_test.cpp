@@ -78,6 +78,41 @@ TEST_F(Calibrate, PairsOfOpenCvBecomeAFileThatChecksOut) {
   EXPECT_EQ(read_text(folder.path() / "both.yml"), read_text(folder.path() / "rig.yml"));
 }
 
+TEST_F(Calibrate, AFirstPairOfAnotherSizeCostsThatPair) {
+  if (!fs::exists(kOpenCvPairs / "left01.jpg"))
+    GTEST_SKIP() << "Debian's opencv-doc is not here (scripts/install-deps --checks)";
+  write_opencv_pairs();
+  for (const char* side : {"left", "right"}) {
+    cv::Mat larger;
+    cv::resize(cv::imread((folder.path() / side / "01.jpg").string()), larger, {800, 600});
+    fs::remove(folder.path() / side / "01.jpg");
+    cv::imwrite((folder.path() / side / "01.jpg").string(), larger);
+  }
+  const RunResult result = calibrate({"left", "right", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("left out: size: found 800 x 600 px, expected 640 x 480 px as most pairs have"));
+}
+
+TEST_F(Calibrate, SaysWhyPairsWereLeftOutWhereTooFewAreLeft) {
+  if (!fs::exists(kOpenCvPairs / "left01.jpg"))
+    GTEST_SKIP() << "Debian's opencv-doc is not here (scripts/install-deps --checks)";
+  write_opencv_pairs();
+  const Words words = {"left", "right", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"};
+  fs::remove(folder.path() / "left" / "01.jpg");  // the link, not what it leads to
+  write_text(folder.path() / "left" / "01.jpg", "damaged");
+  const auto spoil = [&](const std::string& number) {  // by the same image twice
+    fs::remove(folder.path() / "right" / number);
+    fs::copy_file(kOpenCvPairs / ("left" + number), folder.path() / "right" / number);
+  };
+  for (const std::string number : {"02.jpg", "03.jpg", "04.jpg", "05.jpg", "06.jpg", "07.jpg", "08.jpg", "09.jpg"})
+    spoil(number);
+  refused(words,
+          "views: 4 with a board in both images are left, expected at least 5; 0 dropped; 9 pairs were left out "
+          "before, most as left/02.jpg: right/02.jpg: pixels: not a pair");
+  for (const std::string number : {"11.jpg", "12.jpg", "13.jpg", "14.jpg"}) spoil(number);
+  refused(words, "none of 13 pairs shows a board, for most cannot be used: right/02.jpg: pixels: not a pair");
+}
+
 TEST_F(Calibrate, ChecksARigWithoutABoard) {
   write_street(folder.path());
   const RunResult fits = calibrate({"left.png", "right.png", "--check", "calib.txt"});

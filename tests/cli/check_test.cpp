@@ -6,6 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "run_flies.hpp"
@@ -17,6 +19,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Words = std::vector<std::string>;
 
 constexpr double kRows_px = 3.0;
@@ -175,6 +178,71 @@ TEST_F(Check, OfARunDoesNotLookRightWherePairsAreBadOrUnreadable) {
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("1 of 3 pairs: cannot be used; the first: l/2.png"));
   EXPECT_THAT(result.out, ::testing::Not(HasSubstr("looks right")));
+}
+
+TEST_F(Check, OfARunStandsAnOddFirstPair) {
+  write_folders(folder.path(), 3, 3);
+  const Words words = {"check", "l", "r", "--calib", "calib.txt", "--camera-height", "1.65", "--camera-pitch", "0"};
+  const auto said = [&] {
+    const RunResult result = run_flies(folder.path(), words);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.out;
+  };
+  write_image(folder.path() / "r" / "0.png", street_pair().left);
+  EXPECT_THAT(said(), HasSubstr("1 of 3 pairs: cannot be used; the first: r/0.png: pixels: not a pair"));
+  keep_first_bytes(folder.path() / "l" / "0.png", 0.5);
+  EXPECT_THAT(said(), HasSubstr("1 of 3 pairs: cannot be used; the first: l/0.png"));
+  for (const auto& [side, image] : {std::pair("l", street_pair().left), std::pair("r", street_pair().right)}) {
+    cv::Mat larger;
+    cv::resize(image, larger, {400, 350});
+    write_image(folder.path() / side / "0.png", larger);
+  }
+  EXPECT_THAT(said(), HasSubstr("1 of 3 pairs: cannot be used; the first: l/0.png: image size"));
+}
+
+TEST_F(Check, ListsWhatTheCalibrationLeavesInDoubt) {
+  write_text(folder.path() / "calib.txt", kitti_calibration(300.0, 160.0, 5.0));
+  const RunResult result = check("right.png");
+  EXPECT_THAT(result.out, HasSubstr("  - calib.txt: a baseline of 5 m is hardly"));
+  EXPECT_THAT(result.err, Not(HasSubstr("baseline"))) << "once is enough";
+  const json record = json::parse(check("right.png", {"--json"}).out);
+  EXPECT_FALSE(record.at("looks_right").get<bool>());
+  EXPECT_THAT(record.at("notes").dump(), HasSubstr("a baseline of 5 m"));
+}
+
+TEST_F(Check, HowAFileIsTakenIsNoDoubt) {
+  write_text(folder.path() / "raw.yml",
+             "%YAML:1.0\n---\nimage_width: 320\nimage_height: 240\nM1: [300, 0, 160, 0, 300, 110, 0, 0, 1]\n"
+             "D1: [0, 0, 0, 0]\nM2: [300, 0, 160, 0, 300, 110, 0, 0, 1]\nD2: [0, 0, 0, 0]\n"
+             "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [-0.5, 0, 0]\n");
+  for (const auto& [file, more, told] : {std::tuple("calib.txt", Words{}, "no camera height and pitch, assumed"),
+                                         std::tuple("calib.txt", Words{"--baseline", "0.5001"}, "0.5001 m as was said"),
+                                         std::tuple("raw.yml", Words{}, "taken as raw")}) {
+    Words words = {"check", "left.png", "right.png", "--calib", file};
+    words.insert(words.end(), more.begin(), more.end());
+    const RunResult result = run_flies(folder.path(), words);
+    EXPECT_THAT(result.out, HasSubstr("looks right")) << file;
+    EXPECT_THAT(result.err, HasSubstr(told));
+  }
+}
+
+TEST_F(Check, AScaledCalibrationIsADoubtUnlessTheUserSaysThatImagesWereResized) {
+  write_text(folder.path() / "large.yaml",
+             "fx_px: 600\nfy_px: 600\ncx_px: 320.5\ncx_right_px: 320.5\ncy_px: 220.5\nbaseline_m: 0.5\n"
+             "width_px: 640\nheight_px: 480\nheight_m: 1.65\npitch_deg: 0\n");
+  const Words words = {"check", "left.png", "right.png", "--calib", "large.yaml"};
+  EXPECT_THAT(run_flies(folder.path(), words).out,
+              HasSubstr("if they were cut out of larger ones instead, ranges are"));
+  Words resized = words;
+  resized.emplace_back("--resized");
+  EXPECT_THAT(run_flies(folder.path(), resized).out, HasSubstr("looks right"));
+}
+
+TEST_F(Check, ListsWhatIsOddAboutThePairing) {
+  write_folders(folder.path(), 3, 2);
+  const RunResult result = run_flies(folder.path(), {"check", "l", "r", "--calib", "calib.txt"});
+  EXPECT_THAT(result.out, HasSubstr("  - without a partner, and left out: l/2.png"));
+  EXPECT_THAT(result.err, Not(HasSubstr("partner")));
 }
 
 TEST_F(Check, RefusesWhatDetectRefuses) {

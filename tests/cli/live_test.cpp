@@ -343,7 +343,8 @@ TEST_F(LiveCommand, StartThatFailsLeavesOldOutputsAlone) {
 }
 
 TEST_F(LiveCommand, SourceThatEndsWithoutAPairIsAFault) {
-  const RunResult result = run({"left", "left", "--calib", "calib.txt", "--every-pair", "--json", "-"});
+  for (const char* name : {"0.png", "1.png", "2.png"}) std::ofstream(folder.path() / "left" / name) << "damaged";
+  const RunResult result = run({"left", "right", "--calib", "calib.txt", "--every-pair", "--json", "-"});
   EXPECT_EQ(result.status, 2);
   EXPECT_EQ(result.out, "");
   EXPECT_THAT(lines(result.err).back(), HasSubstr("the source ended without a pair; broken pictures: 3"));
@@ -362,6 +363,19 @@ TEST_F(LiveCommand, FullDiskEndsTheRun) {
   EXPECT_THAT(result.err, HasSubstr("/dev/full: cannot write"));
 }
 
+TEST_F(LiveCommand, SlowReaderOfLinesLosesNothingUncounted) {
+  const Words words = {"live",   "beside.avi", "--calib", "calib.txt", "--mount", "given",
+                       "--loop", "--pairs",    "60",      "--json",    "pipe"};
+  const RunResult result = run_flies(folder.path(), words, "mkfifo pipe; (sleep 2; cat > got.jsonl) < pipe &",
+                                     "; status=$?; wait; exit $status");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto got = lines(read_text(folder.path() / "got.jsonl"));
+  ASSERT_FALSE(got.empty());
+  const json last = json::parse(got.back());
+  EXPECT_EQ(got.size() + last.at("live").at("dropped").get<std::size_t>(), last.at("frame").get<std::size_t>() + 1);
+  EXPECT_THAT(result.err, Not(HasSubstr("left out"))) << "three seconds of pairs may wait";
+}
+
 TEST_F(LiveCommand, DiskThatFillsUpInTheMiddleLeavesWhatIsWhole) {
   const Words endless = {"left", "right", "--calib", "calib.txt", "--every-pair", "--loop"};
   const auto run_into_limit = [&](const char* option, const char* file, const char* limit = "ulimit -f 2000;") {
@@ -370,6 +384,7 @@ TEST_F(LiveCommand, DiskThatFillsUpInTheMiddleLeavesWhatIsWhole) {
     const RunResult result = run(words, limit);
     EXPECT_EQ(result.status, 2) << file;
     EXPECT_THAT(result.err, HasSubstr(std::string(file) + ": cannot"));
+    return result;
   };
   run_into_limit("--json", "out.jsonl");
   const auto written = lines(read_text(folder.path() / "out.jsonl"));
@@ -381,7 +396,13 @@ TEST_F(LiveCommand, DiskThatFillsUpInTheMiddleLeavesWhatIsWhole) {
   EXPECT_EQ(track.status, 0) << track.err;
   EXPECT_FALSE(lines(track.out).empty());
 
-  run_into_limit("--video", "out.mp4", "ulimit -f 8;");
+  run_into_limit("--record", "short.mcap", "ulimit -f 100;");
+  const RunResult none = run_flies(folder.path(), {"track", "short.mcap"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_THAT(none.err, HasSubstr("short.mcap: is cut off or damaged, and what is whole of it holds no pictures"));
+
+  const RunResult film = run_into_limit("--video", "out.mp4", "ulimit -f 8;");
+  EXPECT_THAT(film.err, Not(HasSubstr("moov"))) << "FFmpeg's own words";
   EXPECT_FALSE(fs::exists(folder.path() / "out.mp4"));
 }
 

@@ -92,6 +92,18 @@ TEST_F(TrackCommand, APairThatCannotBeUsedCostsNoOther) {
   EXPECT_TRUE(none.out.empty());
 }
 
+TEST_F(TrackCommand, TellsHowMuchIsLeftWhereNothingElseIsPrinted) {
+  // A terminal of its own; without one a line comes every half minute.
+  const auto on_terminal = [&](const std::string& more) {
+    write_text(folder.path() / "go.sh", "exec '" + std::string(FLIES_BINARY) +
+                                            "' track left right --calib calib.txt --rate 20 --json t.jsonl " + more);
+    const RunResult result = run_flies(folder.path(), {"info"}, "script -qec 'sh go.sh' /dev/null;", "> /dev/null");
+    return result.out;
+  };
+  EXPECT_THAT(on_terminal(""), HasSubstr("3 of 3 pairs, 0 s left"));
+  EXPECT_THAT(on_terminal("--quiet"), ::testing::Not(HasSubstr("pairs")));
+}
+
 TEST_F(TrackCommand, TakesTimesFromAFile) {
   write_text(folder.path() / "times.txt", "5.0\n5.5\n7.25\n");
   const RunResult result = run({"--calib", "calib.txt", "--times", "times.txt", "--json", "-"});
@@ -182,7 +194,8 @@ TEST_F(TrackCommand, NamesLoopsOfLinks) {
 
 TEST_F(TrackCommand, TellsWhatGoesWrongInTheMiddleOfARun) {
   cv::Mat noise = street_pair().left.clone();
-  noise.forEach<std::uint8_t>([](std::uint8_t& level, const int*) { level = level % 3; });
+  std::for_each(noise.begin<std::uint8_t>(), noise.end<std::uint8_t>(),
+                [](std::uint8_t& level) { level = static_cast<std::uint8_t>(level % 3); });
   cv::imwrite((folder.path() / "left" / "1.png").string(), noise);
   cv::imwrite((folder.path() / "left" / "2.png").string(), street_pair().right);
   cv::imwrite((folder.path() / "right" / "2.png").string(), street_pair().left);

@@ -1,9 +1,12 @@
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <opencv2/core.hpp>
+#include <string_view>
 
 #include "flies/classify/network_classifier.hpp"
 #include "flies/core/error.hpp"
@@ -12,10 +15,14 @@
 #include "flies/eval/kitti_truth.hpp"
 #include "flies/eval/unlabelled.hpp"
 #include "flies/io/calibration.hpp"
+#include "flies/io/image_codecs.hpp"
+#include "flies/io/temporary_folder.hpp"
 #include "flies/io/time_stamps.hpp"
-#include "flies/record/ros_bytes.hpp"
+#include "flies/record/ros_calibration.hpp"
 #include "flies/record/ros_message.hpp"
 #include "flies/train/checkpoint.hpp"
+#include "tests/fuzz/calibration_seeds.hpp"
+#include "tests/fuzz/recording_seeds.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace {
@@ -23,6 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const flies::StereoCamera kCamera{700, 700, 600, 600, 170, 0.5, 1242, 375, {}};
+const flies::StereoCamera kDisparityCamera{20, 20, 16, 16, 8, 0.5, 32, 16, {}};
 
 /// A KITTI raw drive and a network, whole but for the file that the input is.
 struct Folder {
@@ -51,12 +59,15 @@ struct Folder {
   static void write(const fs::path& file, std::string_view text) { std::ofstream(file, std::ios::binary) << text; }
 };
 
-void read_calibrations(const std::string& file) {
-  flies::CalibrationRequest sized, kitti;
-  sized.width_px = kCamera.width_px;
-  sized.height_px = kCamera.height_px;
-  kitti.cameras = {0, 1};
-  for (const auto& request : {flies::CalibrationRequest{}, sized, kitti}) {
+/// @param right of the right camera, or the other half of the calibration; empty: none is named
+void read_calibrations(const std::string& file, const std::string& right = {}) {
+  std::vector<flies::CalibrationRequest> requests(right.empty() ? 4 : 5);
+  requests[1].width_px = kCamera.width_px;
+  requests[1].height_px = kCamera.height_px;
+  requests[2].cameras = {0, 1};
+  requests[3].images_are_raw = true;
+  requests.back().right_path = right;
+  for (const auto& request : requests) {
     try {
       flies::load_calibration(file, request);
     } catch (const flies::InputError&) {
@@ -66,6 +77,7 @@ void read_calibrations(const std::string& file) {
 
 void read_recording(const std::string& file) {
   const auto reader = flies::open_recording(file);
+  std::vector<flies::RosCameraInfo> cameras;
   while (const auto message = reader->next()) {
     reader->at(message->place);
     try {
@@ -74,35 +86,51 @@ void read_recording(const std::string& file) {
     } catch (const flies::InputError&) {
     }
     try {
-      flies::ros_camera_info(*message, file);
+      cameras.push_back(flies::ros_camera_info(*message, file));
+    } catch (const flies::InputError&) {
+    }
+  }
+  if (cameras.size() < 2) return;
+  for (const bool is_rectified : {false, true}) {
+    try {
+      flies::ros_calibration(cameras[0], cameras[1], is_rectified, file);
     } catch (const flies::InputError&) {
     }
   }
 }
 
 struct Reader {
-  const char* file;  ///< below the folder
+  std::vector<const char*> files;  ///< below the folder; of several, a byte of 0 ends each but the last
   std::function<void(const Folder&, const std::string&)> read;
 };
 
-const std::array<Reader, 11> kReaders = {
-    Reader{"calib.txt", [](const Folder&, const std::string& file) { read_calibrations(file); }},
-    Reader{"calib.yaml", [](const Folder&, const std::string& file) { read_calibrations(file); }},
-    Reader{"calib.json", [](const Folder&, const std::string& file) { read_calibrations(file); }},
-    Reader{"calib.xml", [](const Folder&, const std::string& file) { read_calibrations(file); }},
-    Reader{"state.json",
+// Inputs that were found say by their first byte which reader is meant: new ones are added at the end.
+const std::array<Reader, 13> kReaders = {
+    Reader{{"calib.txt"}, [](const Folder&, const std::string& file) { read_calibrations(file); }},
+    Reader{{"calib.yaml"}, [](const Folder&, const std::string& file) { read_calibrations(file); }},
+    Reader{{"calib.json"}, [](const Folder&, const std::string& file) { read_calibrations(file); }},
+    Reader{{"calib.xml"}, [](const Folder&, const std::string& file) { read_calibrations(file); }},
+    Reader{{"state.json"},
            [](const Folder& folder, const std::string&) { flies::Checkpoint(folder.day, "x").check_pictures(2); }},
-    Reader{"times.txt", [](const Folder&, const std::string& file) { flies::read_time_stamps(file); }},
-    Reader{"drive/velodyne_points/data/0000000000.bin",
+    Reader{{"times.txt"}, [](const Folder&, const std::string& file) { flies::read_time_stamps(file); }},
+    Reader{{"drive/velodyne_points/data/0000000000.bin"},
            [](const Folder& folder, const std::string&) {
              flies::KittiDrive(folder.drive, kCamera, 2).read("0000000000");
            }},
-    Reader{"drive/oxts/data/0000000000.txt",
+    Reader{{"drive/oxts/data/0000000000.txt"},
            [](const Folder& folder, const std::string&) { flies::read_kitti_motion(folder.drive); }},
-    Reader{"recording.mcap", [](const Folder&, const std::string& file) { read_recording(file); }},
-    Reader{"net.yaml", [](const Folder& folder,
-                          const std::string&) { flies::network_classifier((folder.day / "net.prototxt").string()); }},
-    Reader{"unlabelled.txt", [](const Folder&, const std::string& file) { flies::read_unlabelled(file); }}};
+    Reader{{"recording.mcap"}, [](const Folder&, const std::string& file) { read_recording(file); }},
+    Reader{{"net.yaml"},
+           [](const Folder& folder, const std::string&) {
+             flies::network_classifier((folder.day / "net.prototxt").string());
+           }},
+    Reader{{"unlabelled.txt"}, [](const Folder&, const std::string& file) { flies::read_unlabelled(file); }},
+    Reader{{"cam0.yaml", "cam1.yaml", "cam2.yaml"},
+           [](const Folder& folder, const std::string& file) {
+             read_calibrations(file, (folder.day / "cam1.yaml").string());
+           }},
+    Reader{{"disparity.png"},
+           [](const Folder&, const std::string& file) { flies::read_disparity_map(file, kDisparityCamera); }}};
 
 }  // namespace
 
@@ -111,25 +139,41 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const Folder folder;
   if (size == 0) return 0;
   const auto& reader = kReaders[data[0] % kReaders.size()];
-  const fs::path file = folder.day / reader.file;
-  Folder::write(file, {reinterpret_cast<const char*>(data) + 1, size - 1});
+  std::string_view rest(reinterpret_cast<const char*>(data) + 1, size - 1);
+  for (const char* name : reader.files) {
+    const auto end = name == reader.files.back() ? rest.size() : std::min(rest.find('\0'), rest.size());
+    Folder::write(folder.day / name, rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
   try {
-    reader.read(folder, file.string());
+    reader.read(folder, (folder.day / reader.files.front()).string());
   } catch (const flies::InputError&) {
   }
-  fs::remove(file);
+  for (const char* name : reader.files) fs::remove(folder.day / name);
   return 0;
 }
 
-/// A picture and a camera's calibration as ROS 1 records them.
-std::string bag() {
-  using flies::testing::BagBytes;
-  const std::string records = BagBytes::connection(0, "/left/image_raw", "sensor_msgs/Image") +
-                              BagBytes::connection(1, "/left/camera_info", "sensor_msgs/CameraInfo") +
-                              BagBytes::message({0, 1, flies::testing::ros_image(false, 1, 2, 2, "mono8", 2, "abcd")}) +
-                              BagBytes::message({1, 1, flies::testing::ros_camera_info(false, 64, 48, 50, -5)});
-  return BagBytes::start() + BagBytes::chunk("none", records, records.size());
+namespace {
+
+/// As a training leaves it behind.
+std::string training_state() {
+  const flies::testing::TemporaryFolder folder;
+  flies::TrainingState state;
+  state.rounds_done = 1;
+  state.background = {{1, false, {1, 2, 3, 4}}};
+  state.rounds = {{"round 1", 3, 4}};
+  flies::Checkpoint(folder.file("state"), "x").save(state);
+  return flies::testing::read_all(folder.file("state/state.json"));
 }
+
+std::string disparity_map() {
+  cv::Mat map(kDisparityCamera.height_px, kDisparityCamera.width_px, CV_16U);
+  for (int v = 0; v < map.rows; ++v) map.row(v).setTo(256 * v / 2);
+  const auto png = flies::encode_png(map);
+  return {png.begin(), png.end()};
+}
+
+}  // namespace
 
 std::vector<std::string> fuzz_seeds() {
   const auto seed = [](char reader, const std::string& text) { return std::string(1, reader) + text; };
@@ -138,28 +182,33 @@ std::vector<std::string> fuzz_seeds() {
     points.append(reinterpret_cast<const char*>(&value), sizeof value);
   std::string motion;
   for (int i = 0; i < 30; ++i) motion += "0.5 ";
-  return {seed(0, "P2: 700 0 600 0 0 700 170 0 0 0 1 0\nP3: 700 0 600 -280 0 700 170 0 0 0 1 0\n"),
-          seed(0, "cam0=[700 0 600; 0 700 170; 0 0 1]\ncam1=[700 0 600; 0 700 170; 0 0 1]\nbaseline=100\nwidth=9\n"),
-          seed(1, "fx_px: 700\ncx_px: 600\ncy_px: 170\nbaseline_m: 0.5\nwidth_px: 1242\nheight_px: 375\n"),
-          seed(1,
-               "%YAML:1.0\n---\nP1: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ 500., 0., 320., "
-               "0., 0., 500., 240., 0., 0., 0., 1., 0. ]\nP2: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   "
-               "data: [ 500., 0., 320., -60., 0., 500., 240., 0., 0., 0., 1., 0. ]\n"),
-          seed(1,
-               "image_width: 640\nimage_height: 480\ndistortion_model: plumb_bob\ncamera_matrix:\n  rows: 3\n  cols: "
-               "3\n  data: [500, 0, 320, 0, 500, 240, 0, 0, 1]\nprojection_matrix:\n  rows: 3\n  cols: 4\n  data: "
-               "[500, 0, 320, -60, 0, 500, 240, 0, 0, 0, 1, 0]\n"),
-          seed(2, R"({"fx_px": 700, "cx_px": 600, "cy_px": 170, "baseline_m": 0.5})"),
-          seed(3,
-               "<?xml version=\"1.0\"?>\n<opencv_storage><P1 type_id=\"opencv-matrix\"><rows>1</rows><cols>2</cols>"
-               "<dt>d</dt><data>1. 2.</data></P1></opencv_storage>\n"),
-          seed(4, R"({"fingerprint": "x", "rounds_done": 1, "rounds": [["round 1", 3, 4]], "background": )"
-                  R"([{"picture": 1, "window": [1, 2, 3, 4], "is_mirrored": false}]})"),
-          seed(5, "0.0\n0.1\n2011-09-26 13:02:25.964389445\n"),
-          seed(6, points),
-          seed(7, motion),
-          seed(8, std::string("\x89MCAP0\r\n", 8) + std::string("\x01\x08\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0", 17)),
-          seed(8, bag()),
-          seed(9, "input_width_px: 4\ninput_height_px: 8\n"),
-          seed(10, "000000 10 20 30 40\n")};
+  std::vector<std::string> seeds = {
+      seed(0, "P2: 700 0 600 0 0 700 170 0 0 0 1 0\nP3: 700 0 600 -280 0 700 170 0 0 0 1 0\n"),
+      seed(0, "cam0=[700 0 600; 0 700 170; 0 0 1]\ncam1=[700 0 600; 0 700 170; 0 0 1]\nbaseline=100\nwidth=9\n"),
+      seed(1, "fx_px: 700\ncx_px: 600\ncy_px: 170\nbaseline_m: 0.5\nwidth_px: 1242\nheight_px: 375\n"),
+      seed(1,
+           "%YAML:1.0\n---\nP1: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ 500., 0., 320., "
+           "0., 0., 500., 240., 0., 0., 0., 1., 0. ]\nP2: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   "
+           "data: [ 500., 0., 320., -60., 0., 500., 240., 0., 0., 0., 1., 0. ]\n"),
+      seed(1,
+           "image_width: 640\nimage_height: 480\ndistortion_model: plumb_bob\ncamera_matrix:\n  rows: 3\n  cols: "
+           "3\n  data: [500, 0, 320, 0, 500, 240, 0, 0, 1]\nprojection_matrix:\n  rows: 3\n  cols: 4\n  data: "
+           "[500, 0, 320, -60, 0, 500, 240, 0, 0, 0, 1, 0]\n"),
+      seed(2, R"({"fx_px": 700, "cx_px": 600, "cy_px": 170, "baseline_m": 0.5})"),
+      seed(3,
+           "<?xml version=\"1.0\"?>\n<opencv_storage><P1 type_id=\"opencv-matrix\"><rows>1</rows><cols>2</cols>"
+           "<dt>d</dt><data>1. 2.</data></P1></opencv_storage>\n"),
+      seed(4, R"({"fingerprint": "x", "rounds_done": 1, "rounds": [["round 1", 3, 4]], "background": )"
+              R"([{"picture": 1, "window": [1, 2, 3, 4], "is_mirrored": false}]})"),
+      seed(5, "0.0\n0.1\n2011-09-26 13:02:25.964389445\n"),
+      seed(6, points),
+      seed(7, motion),
+      seed(8, std::string("\x89MCAP0\r\n", 8) + std::string("\x01\x08\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0", 17)),
+      seed(9, "input_width_px: 4\ninput_height_px: 8\n"),
+      seed(10, "000000,10,20,30,40,behind a car\n"),
+      seed(12, disparity_map())};
+  seeds.push_back(seed(4, training_state()));
+  for (const auto& text : flies::testing::calibration_seeds()) seeds.push_back(seed(11, text));
+  for (const auto& bytes : flies::testing::recording_seeds()) seeds.push_back(seed(8, bytes));
+  return seeds;
 }

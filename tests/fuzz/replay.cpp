@@ -1,9 +1,13 @@
 // Runs a fuzz target without a fuzzer: over its seeds, and over as many damaged copies of each as asked for. Damage is
-// drawn from a fixed seed, so that a failure comes again; the input is written before it is tried when asked for.
+// drawn from a fixed seed, so that a failure comes again; the input is written before it is tried when asked for (the
+// environment's FLIES_FUZZ_KEEP names the file). An input may take two seconds and a gigabyte.
 //   flies_fuzz_<target> [--copies N] [--seconds N] [--seed N] [--write FOLDER] [FILE...]
+#include <sys/resource.h>
+
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -39,9 +43,58 @@ Arguments parse(int argc, char** argv) {
   return arguments;
 }
 
-void try_one(const std::string& input) {
-  LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
+// Sanitizers cost time, and reserve addresses without end.
+#ifdef FLIES_FUZZ_SANITIZED
+constexpr bool kIsSanitized = true;
+#else
+constexpr bool kIsSanitized = false;
+#endif
+#ifdef __OPTIMIZE__
+constexpr double kMost_s = kIsSanitized ? 10.0 : 2.0;
+#else
+constexpr double kMost_s = 10.0;
+#endif
+constexpr rlim_t kKilobyte = 1024, kMost_kB = rlim_t{1} << 20;
+
+/// The most address space that the program has had.
+rlim_t peak_kB() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (rlim_t peak = 0; word == "VmPeak:" && status >> peak) return peak;
+  return 0;
 }
+
+/// By the clock of the processor, for others may keep the machine busy.
+double processor_s() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// Tries inputs, and ends the program when one takes more than it may.
+class Trial {
+ public:
+  /// What asks for far more is refused, for the machine's sake; whoever bears that is still found by what it had
+  /// before.
+  Trial() {
+    const rlimit limit{(first_kB_ + 4 * kMost_kB) * kKilobyte, RLIM_INFINITY};
+    if (!kIsSanitized && setrlimit(RLIMIT_AS, &limit) != 0) std::perror("setrlimit");
+  }
+
+  void operator()(const std::string& input) const {
+    const double before_s = processor_s();
+    LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
+    const double took_s = processor_s() - before_s;
+    const rlim_t took_kB = kIsSanitized ? 0 : peak_kB() - first_kB_;
+    if (took_s <= kMost_s && took_kB <= kMost_kB) return;
+    std::fprintf(stderr, "an input of %zu bytes took %.1f s and %.2f GB, at most %.0f s and 1 GB are allowed\n",
+                 input.size(), took_s, static_cast<double>(took_kB) / static_cast<double>(kMost_kB), kMost_s);
+    std::abort();
+  }
+
+ private:
+  rlim_t first_kB_ = peak_kB();
+};
 
 /// Bytes flipped, cut out, doubled, or numbers and words put in that readers trip over.
 std::string damaged(std::string input, std::mt19937& random) {
@@ -75,6 +128,7 @@ std::string damaged(std::string input, std::mt19937& random) {
 
 int main(int argc, char** argv) {
   const Arguments arguments = parse(argc, argv);
+  const Trial try_one;
   if (!arguments.files.empty()) {
     for (const auto& name : arguments.files) {
       std::ifstream file(name, std::ios::binary);
@@ -94,15 +148,15 @@ int main(int argc, char** argv) {
   std::mt19937 random(static_cast<std::mt19937::result_type>(arguments.seed));
   const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(arguments.seconds);
   unsigned long tried = 0;
-  for (const auto& seed : seeds) try_one(seed), ++tried;
+  const auto keep_and_try = [&](const std::string& input) {
+    if (const char* kept = std::getenv("FLIES_FUZZ_KEEP")) std::ofstream(kept, std::ios::binary) << input;
+    try_one(input);
+    ++tried;
+  };
+  for (const auto& seed : seeds) keep_and_try(seed);
   do {
     for (const auto& seed : seeds)
-      for (unsigned long i = 0; i < arguments.copies; ++i) {
-        const std::string input = damaged(seed, random);
-        if (const char* kept = std::getenv("FLIES_FUZZ_KEEP")) std::ofstream(kept, std::ios::binary) << input;
-        try_one(input);
-        ++tried;
-      }
+      for (unsigned long i = 0; i < arguments.copies; ++i) keep_and_try(damaged(seed, random));
   } while (std::chrono::steady_clock::now() < until);
   std::printf("%zu seeds, %lu inputs\n", seeds.size(), tried);
   return 0;

@@ -1,56 +1,25 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <random>
 
 #include "flies/core/error.hpp"
 #include "flies/pipeline/tracker.hpp"
+#include "tests/fuzz/pictures.hpp"
+#include "tests/fuzz/sound.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace {
 
+using flies::testing::require;
+
 constexpr int kWidth_px = 160, kHeight_px = 96;
-
-using Pixels = std::vector<std::uint8_t>;
-
-/// A picture of one of several kinds: noise, blocks that stand out, one level, a slope.
-Pixels picture(unsigned kind, std::mt19937& random) {
-  Pixels pixels(std::size_t{kWidth_px} * kHeight_px);
-  const auto level = static_cast<std::uint8_t>(random() & 255U);
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const auto u = static_cast<unsigned>(i % kWidth_px), v = static_cast<unsigned>(i / kWidth_px);
-    if (kind % 4 == 0)
-      pixels[i] = static_cast<std::uint8_t>(random() & 255U);
-    else if (kind % 4 == 1)
-      pixels[i] = static_cast<std::uint8_t>(((u / 16 + v / 8) % 2) * 120 + (random() & 31U));
-    else if (kind % 4 == 2)
-      pixels[i] = level;
-    else
-      pixels[i] = static_cast<std::uint8_t>(u + v);
-  }
-  return pixels;
-}
-
-/// The picture moved to the left, as the right camera sees what stands at that disparity.
-Pixels moved(const Pixels& from, unsigned disparity_px) {
-  Pixels to(from.size());
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const std::size_t u = i % kWidth_px;
-    to[i] = from[i - u + std::min<std::size_t>(u + disparity_px, kWidth_px - 1)];
-  }
-  return to;
-}
-
-void require(bool ok) {
-  if (!ok) std::abort();
-}
 
 void require_sound(const flies::Track& track) {
   for (const double value : {track.state.x_m, track.state.y_m, track.state.vx_mps, track.state.vy_mps, track.width_m,
                              track.height_m, track.age_s, track.unseen_s, track.person_log_odds})
     require(std::isfinite(value));
   require(track.probability >= 0.0 && track.probability <= 1.0 && track.id > 0);
-  require(track.box.width_px >= 0.0 && track.box.height_px >= 0.0);
+  flies::testing::require_sound(track.box);
 }
 
 }  // namespace
@@ -68,11 +37,13 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   double time_s = 0.0;
   for (std::size_t at = 1; at + 1 < std::min<std::size_t>(size, 33); at += 2) {
     const unsigned what = data[at];
-    const Pixels left = picture(what, random), right = what & 128U ? picture(what, random) : moved(left, what / 4 % 32);
+    const auto left = flies::testing::picture(what, kWidth_px, kHeight_px, random);
+    const auto right = what & 128U ? flies::testing::picture(what, kWidth_px, kHeight_px, random)
+                                   : flies::testing::moved(left, static_cast<int>(what / 4 % 32));
     time_s += (int{data[at + 1]} - 8) * 0.02;
     try {
-      const auto found = tracker.process(
-          {{left.data(), kWidth_px, kHeight_px, kWidth_px}, {right.data(), kWidth_px, kHeight_px, kWidth_px}}, time_s);
+      const auto found = tracker.process({left.view(), right.view()}, time_s);
+      flies::testing::require_sound(found.detection);
       for (const auto& track : found.tracks) require_sound(track);
       require(std::isfinite(found.ego.dt_s));
     } catch (const flies::InputError&) {

@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <functional>
 
 #include "flies/core/error.hpp"
@@ -6,20 +7,31 @@
 #include "flies/eval/foot_truth.hpp"
 #include "flies/eval/kitti_truth.hpp"
 #include "flies/eval/scene_truth.hpp"
+#include "flies/io/writers.hpp"
+#include "flies/synth/truth.hpp"
 #include "flies/train/picture_labels.hpp"
 #include "tests/fuzz/target.hpp"
+
+namespace {
+
+const flies::StereoCamera kCamera{700, 700, 600, 600, 170, 0.5, 1242, 375, {}};
+
+}  // namespace
 
 // Everything that evaluation and training read as text: each input goes to all of them.
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
-  const flies::StereoCamera camera{700, 700, 600, 600, 170, 0.5, 1242, 375, {}};
-  const std::array<std::function<void()>, 7> readers = {[&] { flies::parse_labels(text, "input"); },
-                                                        [&] { flies::parse_tracklets(text, "input"); },
-                                                        [&] { flies::parse_scene_truth(text, "input"); },
-                                                        [&] { flies::parse_detections(text, "input"); },
-                                                        [&] { flies::parse_voc_labels(text, "input"); },
-                                                        [&] { flies::parse_kitti_boxes(text, "input"); },
-                                                        [&] { flies::parse_foot_points(text, "input", camera); }};
+  const std::array<std::function<void()>, 10> readers = {
+      [&] { flies::parse_labels(text, "input"); },
+      [&] { flies::parse_tracklets(text, "input"); },
+      [&] { flies::parse_scene_truth(text, "input"); },
+      [&] { flies::parse_detections(text, "input"); },
+      [&] { flies::parse_voc_labels(text, "input"); },
+      [&] { flies::parse_kitti_boxes(text, "input"); },
+      [&] { flies::parse_foot_points(text, "input", kCamera); },
+      [&] { flies::parse_yolo_labels(text, "input", 0, kCamera.width_px, kCamera.height_px); },
+      [&] { flies::parse_yolo_names(text, "input"); },
+      [&] { flies::parse_yolo_yaml(text, "input"); }};
   for (const auto& read : readers) {
     try {
       read();
@@ -28,6 +40,40 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   }
   return 0;
 }
+
+namespace {
+
+/// What `flies detect` writes of a pair.
+std::string detection_line() {
+  flies::FrameRecord record;
+  record.left = "a.png";
+  auto& obstacle = record.obstacles.emplace_back();
+  obstacle.x_m = 8;
+  obstacle.y_m = 6;
+  obstacle.range_m = 10;
+  obstacle.box = {1, 2, 30, 60};
+  auto& person = record.pedestrians.emplace_back();
+  person.x_m = 8;
+  person.y_m = 6;
+  person.probability = 0.9;
+  person.box = obstacle.box;
+  record.scan = {-0.01, 0.01, {9, std::nan(""), std::nan("")}, {9, 20, 0}, {1, 0.5, 0}, {}};
+  record.scan.states = {flies::SectorState::obstacle, flies::SectorState::free, flies::SectorState::unknown};
+  return flies::json_line(record);
+}
+
+/// What `flies synth` writes of a picture.
+std::vector<flies::TruthObject> scene_objects() {
+  flies::TruthObject person;
+  person.x_m = person.near_range_m = 9;
+  person.length_m = person.width_m = 0.6;
+  person.height_m = 1.8;
+  person.whole_box = person.box = {500, 100, 60, 140};
+  person.visible_px = 5000;
+  return {person};
+}
+
+}  // namespace
 
 std::vector<std::string> fuzz_seeds() {
   return {
@@ -41,5 +87,12 @@ std::vector<std::string> fuzz_seeds() {
       R"( "score": 0.5, "box": {"u_px": 1, "v_px": 2, "width_px": 3, "height_px": 4}}], "stage_ms": {"road": 1}})",
       "<annotation><filename>a.png</filename><object><name>person</name><bndbox><xmin>10</xmin><ymin>20</ymin>"
       "<xmax>40</xmax><ymax>120</ymax></bndbox></object></annotation>",
+      "0 0.5 0.5 0.2 0.4 # a box\n0 0.1 0.2 0.3 0.2 0.3 0.8 0.1 0.8\n1 0.5 0.5 0.2 0.4\n0 0.0 0.5 0.2 0.4\n",
+      "car\r\nPerson\r\n",
+      "nc: 2\nnames: ['car', 'Person']\n",
+      "names:\n  0: car\n  5: person\n",
+      detection_line(),
+      flies::truth_json(scene_objects(), kCamera, 3, flies::TruthMoment{0.1, {1, 2, 0.1}}),
+      flies::kitti_labels(scene_objects(), kCamera),
       "# header\n2,7,10,20,30,140,1,-1.0,0.9,8.75\n"};
 }

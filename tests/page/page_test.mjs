@@ -73,7 +73,9 @@ async function edgeIsPainted(page, box, isRight) {
   }, [box, isRight]);
 }
 
-const until = (page, test, argument) => page.waitForFunction(test, argument, { timeout: 20000 });
+// A program under a sanitizer takes many times as long.
+const patience = Number(process.env.FLIES_PATIENCE ?? 1);
+const until = (page, test, argument) => page.waitForFunction(test, argument, { timeout: 20000 * patience });
 
 const numberOf = (page) => page.evaluate(() => Number(document.body.dataset.number));
 

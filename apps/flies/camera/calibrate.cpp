@@ -70,13 +70,6 @@ flies::Lens lens_of(const CalibrateArguments& arguments) {
   return choice(arguments.lens, "--lens", kLenses);
 }
 
-/// What the images show, and the size that all of them have.
-struct SeenPairs {
-  std::vector<flies::BoardPair> pairs;
-  std::vector<flies::DroppedView> without;
-  int width_px = 0, height_px = 0;
-};
-
 /// @throws flies::InputError where this program cannot find such a board
 const flies::BoardTools& tools_for(const CalibrateArguments& arguments, const flies::Board& board) {
   const auto& tools = flies::board_tools();
@@ -86,21 +79,21 @@ const flies::BoardTools& tools_for(const CalibrateArguments& arguments, const fl
   return tools;
 }
 
-SeenPairs find_living_boards(const CalibrateArguments& arguments, const flies::Board& board) {
+SeenBoards find_living_boards(const CalibrateArguments& arguments, const flies::Board& board) {
   LivingBoards living = arguments.living;
   living.sources = {arguments.images.left};
   if (!arguments.images.right.empty()) living.sources.push_back(arguments.images.right);
-  auto seen = watch_boards(living, reading_of(arguments.images.reading), tools_for(arguments, board), board);
-  return {std::move(seen.pairs), {}, seen.width_px, seen.height_px};
+  return watch_boards(living, reading_of(arguments.images.reading), tools_for(arguments, board), board);
 }
 
 /// A pair that cannot be read costs that pair.
-SeenPairs find_boards(const CalibrateArguments& arguments, const flies::Board& board,
-                      const std::vector<flies::PairPaths>& paths) {
+SeenBoards find_boards(const CalibrateArguments& arguments, const flies::Board& board,
+                       const std::vector<flies::PairPaths>& paths) {
   const flies::PairReading reading = reading_of(arguments.images.reading);
   const auto& tools = tools_for(arguments, board);
   ProgressBar bar(paths.size());
-  SeenPairs seen;
+  SeenBoards seen;
+  std::vector<SizedBoards> found;
   ImageWatch watch;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     bar.show(i);
@@ -108,29 +101,40 @@ SeenPairs find_boards(const CalibrateArguments& arguments, const flies::Board& b
     try {
       const auto images = flies::load_pair(paths[i], reading);
       watch.look(images, left);
-      if (seen.width_px == 0) seen.width_px = images.left.width_px, seen.height_px = images.left.height_px;
-      if (images.left.width_px != seen.width_px || images.left.height_px != seen.height_px)
-        throw flies::InputError(
-            left, "size",
-            fmt::format("found {} x {} px, expected {} x {} px as in the first pair", images.left.width_px,
-                        images.left.height_px, seen.width_px, seen.height_px));
       auto pair = flies::matched_boards(board, left, tools.find(images.left.view(), board),
                                         tools.find(images.right.view(), board));
       if (pair.left.corners.empty())
-        seen.without.push_back({left, "no board in both images"});
+        seen.without.push_back({left, kNoBoard});
       else
-        seen.pairs.push_back(std::move(pair));
+        found.push_back({std::move(pair), images.left.width_px, images.left.height_px});
     } catch (const flies::InputError& error) {
       seen.without.push_back({left, error.what()});
     }
   }
-  if (seen.pairs.empty())
+  if (!found.empty()) {
+    take_commonest_size(std::move(found), seen);
+    return seen;
+  }
+  if (const auto& reason = commonest_reason(seen.without).reason; reason != kNoBoard)
     throw flies::InputError(
-        arguments.images.left, "board",
-        fmt::format("is in none of {} pairs: is it a {} of {}? Of a chessboard the inner corners are "
-                    "counted, and all must be in both images",
-                    paths.size(), arguments.kind, arguments.size));
-  return seen;
+        arguments.images.left, "",
+        fmt::format("none of {} pairs shows a board, for most cannot be used: {}", paths.size(), reason));
+  throw flies::InputError(arguments.images.left, "board",
+                          fmt::format("is in none of {} pairs: is it a {} of {}? Of a chessboard the inner corners are "
+                                      "counted, and all must be in both images",
+                                      paths.size(), arguments.kind, arguments.size));
+}
+
+/// @throws flies::InputError as `flies::calibrate_rig`; of too few views it says why others were left out before
+flies::RigReport calibrated(const flies::Board& board, flies::Lens lens, SeenBoards seen) {
+  try {
+    auto report =
+        flies::calibrate_rig(flies::board_tools(), board, std::move(seen.pairs), seen.width_px, seen.height_px, lens);
+    report.dropped.insert(report.dropped.end(), seen.without.begin(), seen.without.end());
+    return report;
+  } catch (const flies::InputError& fault) {
+    throw with_reason(fault, seen.without);
+  }
 }
 
 double field_of_view_deg(double focal_px, int size_px) {
@@ -230,9 +234,7 @@ void run_calibrate(const CalibrateArguments& arguments) {
   const auto paths = arguments.is_living ? std::vector<flies::PairPaths>{} : pairs_of(arguments.images);
   check_outputs(arguments, paths);
   auto seen = arguments.is_living ? find_living_boards(arguments, board) : find_boards(arguments, board, paths);
-  auto report =
-      flies::calibrate_rig(flies::board_tools(), board, std::move(seen.pairs), seen.width_px, seen.height_px, lens);
-  report.dropped.insert(report.dropped.end(), seen.without.begin(), seen.without.end());
+  const auto report = calibrated(board, lens, std::move(seen));
   flies::write_file(arguments.output,
                     flies::calibration_texts(report.calibration, flies::CalibrationSyntax::opencv).text);
   if (!arguments.picture.empty())

@@ -29,25 +29,24 @@ namespace {
 constexpr std::size_t kMostPairs = 200;  // of a long run, spread evenly
 
 struct Checked {
-  flies::Calibration calibration;
-  std::vector<flies::PairPaths> pairs;
-  RunDiagnosis run;
+  CalibratedRun run;
+  std::vector<std::string> to_check;  ///< sentences, each on something that may be wrong
+  std::vector<std::string> notes;     ///< on how the calibration was taken
+
+  const flies::PairDiagnosis& diagnosis() const { return run.diagnosis.diagnosis; }
+  const flies::MountFinding& mount() const { return run.diagnosis.mount; }
 };
 
 /// What is wrong with some pairs of a run, those that cannot be used included; nothing of a single one.
-std::vector<std::string> notes_on_each(const Checked& checked, const flies::PairReading& reading) {
-  const std::size_t count = std::min(kMostPairs, checked.pairs.size());
+std::vector<std::string> notes_on_each(const CalibratedRun& run) {
+  const std::size_t count = std::min(kMostPairs, run.paths.size());
   if (count < 2) return {};
   flies::PairWatch watch;
   std::vector<std::string> faults;
   for (std::size_t k = 0; k < count; ++k) {
-    const auto& paths = checked.pairs[k * (checked.pairs.size() - 1) / (count - 1)];
+    const std::size_t i = k * (run.paths.size() - 1) / (count - 1);
     try {
-      flies::GrayPair images = flies::load_pair(paths, reading);
-      if (checked.calibration.rectifier) images = checked.calibration.rectifier->rectify(images);
-      const flies::RectifiedPair pair = images.view();
-      flies::check_camera_fits(checked.calibration.camera, pair.left.width_px, pair.left.height_px, paths.left);
-      watch.look(pair, checked.calibration.camera, paths.left);
+      watch.look(run.usable(i).view(), run.calibration.camera, run.paths[i].left);
     } catch (const flies::InputError& fault) {
       faults.emplace_back(fault.what());
     }
@@ -59,31 +58,37 @@ std::vector<std::string> notes_on_each(const Checked& checked, const flies::Pair
 }
 
 Checked check(const CheckArguments& arguments) {
-  Checked checked;
   const flies::PairReading reading = reading_of(arguments.images.reading);
-  checked.pairs = pairs_of(arguments.images);
-  const auto& [left, right] = checked.pairs.front();
-  flies::GrayPair images = flies::load_pair(checked.pairs.front(), reading);
-  if (const auto note = orientation_note(checked.pairs.front())) say_notes({*note});
-  const auto request = calibration_request(arguments.camera, left, right, images.view());
-  checked.calibration = flies::load_calibration(arguments.calib, request);
-  if (checked.calibration.rectifier) images = checked.calibration.rectifier->rectify(images);
-  const flies::RectifiedPair pair = images.view();
-  flies::check_camera_fits(checked.calibration.camera, pair.left.width_px, pair.left.height_px, arguments.calib);
-  checked.run = diagnose(checked.pairs, reading, checked.calibration, {.self_rectify = SelfRectify::off});
-  for (auto& note : notes_on_each(checked, reading)) checked.run.notes.push_back(std::move(note));
+  const auto matched = matched_pairs_of(arguments.images);
+  const LoadPair load = [paths = matched.pairs, reading](std::size_t i) { return flies::load_pair(paths[i], reading); };
+  const Calibrate calibrate = [&](const flies::PairPaths& pair, const flies::RectifiedPair& images) {
+    return calibration_of_files(arguments.calib, arguments.camera, pair, images);
+  };
+  Checked checked;
+  checked.run = calibrate_run(matched.pairs, load, calibrate, arguments.calib, {.self_rectify = SelfRectify::off});
+  const auto on_calibration = sorted_notes(checked.run.calibration, arguments.camera);
+  const auto add = [](std::vector<std::string>& notes, const std::vector<std::string>& more) {
+    notes.insert(notes.end(), more.begin(), more.end());
+  };
+  add(checked.to_check, named(arguments.calib, on_calibration.doubts));
+  add(checked.to_check, matched.notes);
+  add(checked.to_check, checked.run.diagnosis.notes);
+  add(checked.to_check, notes_on_each(checked.run));
+  add(checked.notes, named(arguments.calib, on_calibration.mount));
+  add(checked.notes, named(arguments.calib, on_calibration.told));
   if (!arguments.picture.empty()) {
-    const auto corners = flies::match_corners(pair);
-    flies::write_png(arguments.picture, flies::draw_rows(pair, corners, checked.run.diagnosis.rows));
+    const flies::GrayPair images = checked.run.usable(checked.run.sample.front());
+    flies::write_png(arguments.picture,
+                     flies::draw_rows(images.view(), flies::match_corners(images.view()), checked.diagnosis().rows));
   }
   return checked;
 }
 
 std::string table(const Checked& checked) {
-  const auto& d = checked.run.diagnosis;
+  const auto& d = checked.diagnosis();
   std::string text;
   const auto line = [&](const char* name, const std::string& value) { text += fmt::format("{:<24}{}\n", name, value); };
-  line("pairs", fmt::format("{}, of which up to 5 are looked at closely", checked.pairs.size()));
+  line("pairs", fmt::format("{}, of which up to 5 are looked at closely", checked.run.paths.size()));
   line("something to match", fmt::format("in {:.0f} % of the left image", 100.0 * d.textured_share));
   line("found on their row", fmt::format("{:.0f} % of {} places (32 % and more in good pairs of streets)",
                                          100.0 * d.matched_share(), d.evidence.patches));
@@ -98,18 +103,18 @@ std::string table(const Checked& checked) {
                                  d.rows->corners, d.rows->scatter_px)
                    : "too few corners to tell");
   line("road", d.road_found ? "found" : "not found");
-  const auto& mount = checked.run.mount.mount;
+  const auto& mount = checked.mount().mount;
   line("camera", fmt::format("{:.2f} m above the road, {:.1f} degrees down, {:.1f} to the right: {}", mount.height_m,
                              flies::degrees(mount.pitch_rad), flies::degrees(mount.roll_rad),
-                             checked.run.mount.is_replaced ? "found, not as given" : "as given"));
-  if (checked.run.notes.empty()) return text + "looks right\n";
+                             checked.mount().is_replaced ? "found, not as given" : "as given"));
+  if (checked.to_check.empty()) return text + "looks right\n";
   text += "to check:\n";
-  for (const auto& note : checked.run.notes) text += "  - " + note + "\n";
+  for (const auto& note : checked.to_check) text += "  - " + note + "\n";
   return text;
 }
 
 std::string json(const Checked& checked) {
-  const auto& d = checked.run.diagnosis;
+  const auto& d = checked.diagnosis();
   nlohmann::ordered_json object = {{"textured_share", d.textured_share},
                                    {"dark_share", d.dark_share},
                                    {"bright_share", d.bright_share},
@@ -127,12 +132,12 @@ std::string json(const Checked& checked) {
                                    {"row_scatter_px", nullptr},
                                    {"nearer_above", nullptr},
                                    {"road_found", d.road_found},
-                                   {"camera_height_m", checked.run.mount.mount.height_m},
-                                   {"camera_pitch_rad", checked.run.mount.mount.pitch_rad},
-                                   {"camera_roll_rad", checked.run.mount.mount.roll_rad},
-                                   {"mount_source", checked.run.mount.is_replaced ? "road" : "given"},
-                                   {"looks_right", checked.run.notes.empty()},
-                                   {"notes", checked.run.notes}};
+                                   {"camera_height_m", checked.mount().mount.height_m},
+                                   {"camera_pitch_rad", checked.mount().mount.pitch_rad},
+                                   {"camera_roll_rad", checked.mount().mount.roll_rad},
+                                   {"mount_source", checked.mount().is_replaced ? "road" : "given"},
+                                   {"looks_right", checked.to_check.empty()},
+                                   {"notes", checked.to_check}};
   if (d.nearer_above) object["nearer_above"] = *d.nearer_above;
   if (d.rows) {
     object["row_offset_px"] = d.rows->offset_px;
@@ -147,13 +152,11 @@ std::string json(const Checked& checked) {
 void run_check(const CheckArguments& arguments) {
   const Checked checked = check(arguments);
   print(arguments.json ? json(checked) : table(checked));
-  std::vector<std::string> notes;
-  for (const auto& note : checked.calibration.notes) notes.push_back(arguments.calib + ": " + note);
-  say_notes(notes);
+  say_notes(checked.notes);
 }
 
 std::string fit_of_rig(const CheckArguments& arguments) {
-  const auto& rows = check(arguments).run.diagnosis.rows;
+  const auto rows = check(arguments).diagnosis().rows;
   if (!rows) return "cannot be told: too few corners are seen in both images";
   constexpr double kMost_px = 0.5;  // farther apart, recall suffers
   const double worst_px =

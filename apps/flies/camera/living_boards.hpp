@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "camera/seen_boards.hpp"
 #include "flies/io/images.hpp"
 #include "flies/rig/board_tools.hpp"
 
@@ -12,12 +13,6 @@ struct LivingBoards {
   std::vector<std::string> sources;  ///< one that gives both images, or the left and the right one
   std::vector<int> size_px;          ///< width and height asked of cameras, of both images together; empty: their own
   std::size_t views = 20;            ///< that are enough
-};
-
-/// What images show, and the size that all of them have.
-struct SeenBoards {
-  std::vector<flies::BoardPair> pairs;
-  int width_px = 0, height_px = 0;
 };
 
 /// Takes a view whenever the board is found in both images, held still and elsewhere than before, and says so on

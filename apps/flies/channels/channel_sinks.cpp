@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -27,7 +28,24 @@ std::vector<Described> described_channels() {
 }
 
 constexpr bool leaves_once(Channel channel) {
-  return std::ranges::count(kLeavingOrder, channel) == (channel == Channel::log ? 0 : 1);
+  const auto times = std::ranges::count(kResultChannels, channel) + std::ranges::count(kPictureChannels, channel);
+  return times == (channel == Channel::log ? 0 : 1);
+}
+
+/// To those who subscribed.
+void send_wanted(flies::FoxgloveServer& server, std::span<const Channel> channels, const LiveFrame& frame) {
+  const std::uint64_t time_ns = time_ns_of(frame);
+  for (const Channel channel : channels) {
+    const auto i = static_cast<std::size_t>(channel);
+    if (server.is_wanted(i)) server.send(i, time_ns, channel_message(channel, frame));
+  }
+}
+
+/// Notes are told mostly in the first second, before anybody is there to read them.
+std::vector<flies::FoxgloveChannel> served_channels() {
+  auto channels = described_channels<flies::FoxgloveChannel>();
+  channels[kLog].is_kept = true;
+  return channels;
 }
 static_assert(
     [] {
@@ -40,15 +58,11 @@ static_assert(
 }  // namespace
 
 FoxgloveSink::FoxgloveSink(const std::string& address, int port)
-    : server_(address, port, described_channels<flies::FoxgloveChannel>()) {}
+    : server_(address, port, served_channels()), pictures_(server_) {}
 
-void FoxgloveSink::take(const LiveFrame& frame) {
-  const std::uint64_t time_ns = time_ns_of(frame);
-  for (const Channel channel : kLeavingOrder) {
-    const auto i = static_cast<std::size_t>(channel);
-    if (server_.is_wanted(i)) server_.send(i, time_ns, channel_message(channel, frame));
-  }
-}
+void FoxgloveSink::take(const LiveFrame& frame) { send_wanted(server_, kResultChannels, frame); }
+
+void FoxgloveSink::Pictures::take(const LiveFrame& frame) { send_wanted(server_, kPictureChannels, frame); }
 
 void FoxgloveSink::note(const std::string& sentence) {
   const std::uint64_t time_ns = now_ns();

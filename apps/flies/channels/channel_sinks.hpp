@@ -16,12 +16,24 @@ class FoxgloveSink final : public LiveSink {
  public:
   /// @throws flies::InputError when the port cannot be had
   FoxgloveSink(const std::string& address, int port);
+  /// Sends results, without pictures and flies.
   void take(const LiveFrame& frame) override;
   void note(const std::string& sentence) override;
+  LiveSink& pictures() { return pictures_; }  ///< sends these; for a thread of its own
   int port() const { return server_.port(); }
 
  private:
+  class Pictures final : public LiveSink {
+   public:
+    explicit Pictures(flies::FoxgloveServer& server) : server_(server) {}
+    void take(const LiveFrame& frame) override;
+
+   private:
+    flies::FoxgloveServer& server_;
+  };
+
   flies::FoxgloveServer server_;
+  Pictures pictures_;
 };
 
 /// The same as a recording: `--record`. A run that has no result leaves a file of an earlier one alone.

@@ -44,9 +44,8 @@ inline constexpr std::array<ChannelName, 13> kChannels = {{
     {"/record", "flies.Record"},
 }};
 
-/// The order in which the messages of a pair leave: what is small and waited for first, pictures, which take long to
-/// encode, last.
-inline constexpr std::array<Channel, kChannels.size() - 1> kLeavingOrder = {
+/// What is small and waited for, in the order in which it leaves for a pair.
+inline constexpr std::array kResultChannels = {
     Channel::pose,
     Channel::vehicle_transform,
     Channel::camera_transform,
@@ -56,10 +55,10 @@ inline constexpr std::array<Channel, kChannels.size() - 1> kLeavingOrder = {
     Channel::record,
     Channel::left_calibration,
     Channel::right_calibration,
-    Channel::flies,
-    Channel::left,
-    Channel::right,
 };
+
+/// What is large or takes long to encode.
+inline constexpr std::array kPictureChannels = {Channel::flies, Channel::left, Channel::right};
 
 /// Nanoseconds since 1970 when the pair came.
 std::uint64_t time_ns_of(const LiveFrame& frame);

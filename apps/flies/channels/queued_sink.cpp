@@ -22,13 +22,25 @@ void QueuedSink::take(const LiveFrame& frame) {
     const std::lock_guard lock(mutex_);
     if (failure_) std::rethrow_exception(failure_);
     waiting_.push_back(frame);
-    if (waiting_.size() > most_) {
-      waiting_.pop_front();
-      tell = std::exchange(left_out_, {});
+    waiting_bytes_ += frame.picture_bytes();
+    while (is_too_long()) {
+      pop();
+      if (left_out_) tell = std::exchange(left_out_, {});
     }
   }
   changed_.notify_all();
   if (tell) tell();
+}
+
+bool QueuedSink::is_too_long() const {
+  return waiting_.size() > most_ || (waiting_.size() > kFewest && waiting_bytes_ > kMostBytes);
+}
+
+LiveFrame QueuedSink::pop() {
+  LiveFrame frame = std::move(waiting_.front());
+  waiting_.pop_front();
+  waiting_bytes_ -= frame.picture_bytes();
+  return frame;
 }
 
 void QueuedSink::work() {
@@ -37,8 +49,7 @@ void QueuedSink::work() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return is_ending_ || !waiting_.empty(); });
     if (waiting_.empty()) return;
-    const LiveFrame frame = std::move(waiting_.front());
-    waiting_.pop_front();
+    const LiveFrame frame = pop();
     lock.unlock();
     try {
       sink_.take(frame);

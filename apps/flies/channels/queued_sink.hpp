@@ -17,9 +17,14 @@ class QueuedSink final : public LiveSink {
   /// Whether somebody waits for what the other sink makes, or the processor may do first what others wait for.
   enum class Haste { is_awaited, can_wait };
 
-  /// @param most frames may wait; of more the oldest are left out
+  /// @param most frames may wait, and `kMostBytes` of pictures but for `kFewest` frames; of more the oldest are left
+  /// out
   /// @param left_out called once, when that happens for the first time; may be empty
   QueuedSink(LiveSink& sink, std::size_t most, Haste haste, std::function<void()> left_out = {});
+
+  static constexpr std::size_t kMostBytes = 64U << 20;
+  static constexpr std::size_t kFewest = 4;
+
   ~QueuedSink() override;
   QueuedSink(const QueuedSink&) = delete;
   QueuedSink& operator=(const QueuedSink&) = delete;
@@ -32,6 +37,8 @@ class QueuedSink final : public LiveSink {
   void finish();
 
  private:
+  bool is_too_long() const;
+  LiveFrame pop();
   void work();
 
   LiveSink& sink_;
@@ -41,6 +48,7 @@ class QueuedSink final : public LiveSink {
   std::mutex mutex_;  ///< of what follows
   std::condition_variable changed_;
   std::deque<LiveFrame> waiting_;
+  std::size_t waiting_bytes_ = 0;  ///< of their pictures
   bool is_ending_ = false;
   std::exception_ptr failure_;
   std::thread thread_;  ///< last: it uses all of the above

@@ -136,6 +136,8 @@ void Recording::read_all() {
     early_end_ = std::string(fault.what()) + "; reading ended";
   }
   if (pictures_.empty() && !faults_.empty()) throw faults_.begin()->second.first;
+  if (pictures_.empty() && !early_end_.empty())
+    throw flies::InputError(path_, "", "is cut off or damaged, and what is whole of it holds no pictures");
 }
 
 void Recording::read_or_pass_over(const flies::RecordedMessage& message) {

@@ -47,12 +47,6 @@ std::vector<std::string> other_inputs(const DetectArguments& arguments) {
   return inputs;
 }
 
-std::vector<std::string> calibration_notes(const flies::Calibration& calibration, const std::string& path) {
-  std::vector<std::string> notes;
-  for (const auto& note : calibration.notes) notes.push_back(path + ": " + note);
-  return notes;
-}
-
 /// The files of one pair, each whole or not at all.
 void write_frame(const ProcessedFrame& frame, const std::string& name, const DetectOutputs& outputs, bool is_single) {
   const auto write_picture = [&](const std::string& path, const auto& draw) {
@@ -67,109 +61,130 @@ void write_frame(const ProcessedFrame& frame, const std::string& name, const Det
     flies::write_file(path_of_frame(outputs.ply, name, is_single), flies::ply_text(frame.detection->evolved.flies));
 }
 
-/// A pair as the detector wants it. @throws flies::InputError when it cannot be
-flies::GrayPair usable_pair(const flies::PairPaths& paths, const flies::PairReading& reading,
-                            const flies::Calibration& calibration, const RunDiagnosis& run) {
-  flies::GrayPair images = flies::load_pair(paths, reading);
-  if (calibration.rectifier) images = calibration.rectifier->rectify(images);
-  const flies::RectifiedPair pair = images.view();
-  flies::check_camera_fits(calibration.camera, pair.left.width_px, pair.left.height_px, paths.left);
-  run.correct(images);
-  flies::check_true_pair(images.view(), calibration.camera, paths.left, paths.right);
-  return images;
+/// Where a run writes lines to.
+struct LineOutputs {
+  explicit LineOutputs(const DetectOutputs& outputs) {
+    constexpr auto kLines = flies::OutputFile::Kind::lines;
+    if (!outputs.json.empty()) json.emplace(outputs.json, kLines);
+    if (!outputs.csv.empty()) csv.emplace(outputs.csv, kLines).write(flies::csv_header());
+    if (!outputs.scan.empty()) scan.emplace(outputs.scan, kLines).write(flies::scan_csv_header());
+  }
+  void write(const flies::FrameRecord& record) {
+    if (json) json->write(flies::json_line(record));
+    if (csv) csv->write(flies::csv_rows(record));
+    if (scan && record.error.empty()) scan->write(flies::scan_csv_rows(record));
+  }
+  void commit() {
+    for (auto* file : {&json, &csv, &scan})
+      if (*file) (*file)->commit();
+  }
+
+  std::optional<flies::OutputFile> json, csv, scan;
+};
+
+void fill_in(flies::FrameRecord& record, const flies::Detection& detection) {
+  record.obstacles = detection.obstacles;
+  record.pedestrians = detection.pedestrians;
+  record.scan = detection.scan;
+  record.road = detection.road.plane;
+  record.road_found = detection.road.found;
+  record.stage_ms = detection.stage_ms;
+}
+
+CalibratedRun calibrated(const DetectArguments& arguments, const std::vector<flies::PairPaths>& pairs) {
+  const LoadPair load = [pairs, reading = reading_of(arguments.images.reading)](std::size_t i) {
+    return flies::load_pair(pairs[i], reading);
+  };
+  const Calibrate calibrate = [&](const flies::PairPaths& pair, const flies::RectifiedPair& images) {
+    return calibration_of_files(arguments.calib, arguments.camera, pair, images);
+  };
+  return calibrate_run(pairs, load, calibrate, arguments.calib, arguments.corrections);
+}
+
+/// A record of nothing found.
+flies::FrameRecord empty_record(const DetectArguments& arguments, const CalibratedRun& run,
+                                const flies::DetectorOptions& options) {
+  const RunWords words = {.method = arguments.method,
+                          .camera = arguments.camera,
+                          .corrections = arguments.corrections,
+                          .reading = reading_of(arguments.images.reading),
+                          .pair_by = arguments.images.pair_by};
+  flies::FrameRecord record;
+  record.seed = options.seed;
+  record.preset = preset_name(effective_options(arguments.method));
+  record.diagnosis = run.diagnosis.record();
+  record.run = run_record(words, options, {}, run.calibration.camera, arguments.calib, run.diagnosis);
+  return record;
+}
+
+/// What may explain why the pair of a run of one cannot be used.
+void say_notes_on_calibration(const DetectArguments& arguments, const CalibratedRun& run) {
+  const auto notes = sorted_notes(run.calibration, arguments.camera);
+  say_notes(named(arguments.calib, notes.told));
+  say_notes(named(arguments.calib, notes.doubts));
 }
 
 void run_detect(const DetectArguments& arguments) {
-  const flies::DetectorOptions unfitted = effective_options(arguments.method);
+  const auto threads = static_cast<std::size_t>(effective_options(arguments.method).threads);
   const auto classifier = classifier_of(arguments.method);
-  const flies::PairReading reading = reading_of(arguments.images.reading);
   const auto pairs = pairs_of(arguments.images);
   const bool is_single = pairs.size() == 1;
-  check_outputs(arguments.outputs, pairs, other_inputs(arguments));
+  const DetectOutputs& outputs = arguments.outputs;
+  check_outputs(outputs, pairs, other_inputs(arguments));
 
   // The detector keeps to its own arena; this holds OpenCV, which runs on oneTBB too, to the same number.
   std::optional<tbb::global_control> thread_limit;
-  if (unfitted.threads > 0)
-    thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(unfitted.threads));
+  if (threads > 0) thread_limit.emplace(tbb::global_control::max_allowed_parallelism, threads);
 
-  auto [first, images] =
-      first_readable(pairs.size(), [&](std::size_t i) { return flies::load_pair(pairs[i], reading); });
-  if (const auto note = orientation_note(pairs[first])) say_notes({*note});
-  const auto request = calibration_request(arguments.camera, pairs[first].left, pairs[first].right, images.view());
-  flies::Calibration calibration = flies::load_calibration(arguments.calib, request);
-  if (calibration.rectifier) images = calibration.rectifier->rectify(images);
-  flies::check_camera_fits(calibration.camera, images.view().left.width_px, images.view().left.height_px,
-                           arguments.calib);
-  calibration.camera.width_px = images.view().left.width_px;
-  calibration.camera.height_px = images.view().left.height_px;
-  const RunDiagnosis run = diagnose(pairs, reading, calibration, arguments.corrections);
-  const flies::DetectorOptions options = effective_options(arguments.method, calibration.camera);
-  flies::Detector detector(calibration.camera, options, classifier);
-  const auto run_of = run_record(arguments.method, options, calibration.camera, arguments.calib);
-  auto notes = calibration_notes(calibration, arguments.calib);
-  for (const auto& note : run.notes) notes.push_back(pairs[first].left + ": " + note);
-  // Before a long run; a single pair that cannot be used has one line to say.
-  if (!is_single) say_notes(notes);
-  say_run(*run_of);
-  constexpr auto kLines = flies::OutputFile::Kind::lines;
-  std::optional<flies::OutputFile> json, csv, scan;
-  if (!arguments.outputs.json.empty()) json.emplace(arguments.outputs.json, kLines);
-  if (!arguments.outputs.csv.empty()) csv.emplace(arguments.outputs.csv, kLines).write(flies::csv_header());
-  if (!arguments.outputs.scan.empty()) scan.emplace(arguments.outputs.scan, kLines).write(flies::scan_csv_header());
+  const CalibratedRun run = calibrated(arguments, pairs);
+  const flies::StereoCamera& camera = run.calibration.camera;
+  const flies::DetectorOptions options = effective_options(arguments.method, camera);
+  flies::Detector detector(camera, options, classifier);
+  const flies::FrameRecord nothing_found = empty_record(arguments, run, options);
+  if (!is_single) say_notes(run.notes(arguments.calib));  // of a single pair when it could be used
+  say_run(*nothing_found.run);
 
+  LineOutputs lines(outputs);
   // The table goes to the terminal that the bar would be drawn on.
-  const DetectOutputs& outputs = arguments.outputs;
   const bool prints = !outputs.any() || outputs.json == "-" || outputs.csv == "-" || outputs.scan == "-";
   ProgressBar progress(prints ? 0 : pairs.size());
-  ReadAhead<flies::GrayPair> ahead(
-      pairs.size(), [&](std::size_t i) { return usable_pair(pairs[i], reading, calibration, run); },
-      options.threads != 1);
+  const auto make_pair = [&](std::size_t i) {
+    auto images = run.usable(i);
+    flies::check_true_pair(images.view(), camera, pairs[i].left, pairs[i].right);
+    return images;
+  };
+  ReadAhead<flies::GrayPair> ahead(pairs.size(), make_pair, options.threads != 1);
   std::vector<std::string> faults;
   flies::PairWatch watch;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const auto& [left_path, right_path] = pairs[i];
-    flies::FrameRecord record{.frame = static_cast<int>(i),
-                              .left = left_path,
-                              .right = right_path,
-                              .seed = options.seed,
-                              .preset = preset_name(unfitted),
-                              .obstacles = {},
-                              .pedestrians = {},
-                              .scan = {},
-                              .diagnosis = run.record(),
-                              .run = run_of,
-                              .error = {}};
+    flies::FrameRecord record = nothing_found;
+    record.frame = static_cast<int>(i);
+    record.left = pairs[i].left;
+    record.right = pairs[i].right;
+    flies::GrayPair images;
     std::optional<flies::Detection> detection;
     try {
       images = ahead.next();
-      if (!is_single) watch.look(images.view(), calibration.camera, left_path);  // told at the end
+      if (!is_single) watch.look(images.view(), camera, record.left);  // told at the end
       detection = detector.process(images.view());
-      record.obstacles = detection->obstacles;
-      record.pedestrians = detection->pedestrians;
-      record.scan = detection->scan;
-      record.road = detection->road.plane;
-      record.road_found = detection->road.found;
-      record.stage_ms = detection->stage_ms;
+      fill_in(record, *detection);
     } catch (const flies::InputError& fault) {  // costs this pair, not the others
+      if (is_single) say_notes_on_calibration(arguments, run);
       if (is_single) throw;
       faults.emplace_back(fault.what());
       record.error = fault.what();
     }
-    if (json) json->write(flies::json_line(record));
-    if (csv) csv->write(flies::csv_rows(record));
-    if (scan && detection) scan->write(flies::scan_csv_rows(record));
-    if (detection && !arguments.outputs.any()) print(result_table(record));
+    lines.write(record);
+    if (detection && !outputs.any()) print(result_table(record));
     if (detection)
-      write_frame({images.view(), calibration.camera, options, &*detection, static_cast<std::uint32_t>(i)},
-                  file_stem(left_path), arguments.outputs, is_single);
+      write_frame({images.view(), camera, options, &*detection, static_cast<std::uint32_t>(i)}, file_stem(record.left),
+                  outputs, is_single);
     progress.show(i + 1);
   }
-  if (json) json->commit();
-  if (csv) csv->commit();
-  if (scan) scan->commit();
+  lines.commit();
   if (faults.size() == pairs.size())
     throw flies::InputError(arguments.images.left, "", "no pair could be used; the first: " + faults.front());
-  say_notes(is_single ? notes : watch.counts());
+  say_notes(is_single ? run.notes(arguments.calib) : watch.counts());
   if (!faults.empty())
     throw flies::InputError(arguments.images.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),
                             "could not be used, the others were; the first: " + faults.front());

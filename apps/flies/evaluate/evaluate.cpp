@@ -324,12 +324,12 @@ void setup_evaluate(CLI::App& app) {
       "kind, the measures and the JSON. Times are those of one pair after another. --start 0 --step 2\n"
       "takes the even pairs, --start 1 --step 2 the odd ones, --end 30 the first thirty.\n"
       "\nExamples:\n"
-      "  flies evaluate 2011_09_26/2011_09_26_drive_0005_sync --yardstick sgbm,sgbm-3way\n"
-      "  flies evaluate kitti/object/training --preset paper --missed\n"
+      "  flies evaluate data/kitti_raw/2011_09_26/2011_09_26_drive_0005_sync --yardstick sgbm,sgbm-3way\n"
+      "  flies evaluate data/kitti_object/training --preset paper --missed\n"
       "  flies synth street --frames 20 && flies evaluate street --json measures.json\n"
       "  flies evaluate street --detections found.jsonl\n"
-      "  flies evaluate kitti/stereo2012 --start 1 --step 2 --yardstick sgbm-3way\n"
-      "  flies evaluate eth_bahnhof/rectified --camera-height 0.98 --yardstick hog-48x96 --missed\n"
+      "  flies evaluate data/kitti_stereo2012 --start 1 --step 2 --yardstick sgbm-3way\n"
+      "  flies evaluate data/eth_bahnhof/rectified --camera-height 0.98 --yardstick hog-48x96 --missed\n"
       "\nExit status: 0 done, 2 a fault in the input, told in one line.");
   command->callback([arguments] { run_evaluate(*arguments); });
 }

@@ -142,7 +142,7 @@ void setup_evaluate_classifier(CLI::App& app) {
       "Windows without people are drawn at random from the pictures without people, the same for every\n"
       "model. All are scaled to the model's size. docs/evaluation.md describes the measures and the JSON.\n"
       "\nExample:\n"
-      "  flies evaluate-classifier opencv-48x96 mine.json --data people/test --html models.html\n"
+      "  flies evaluate-classifier opencv-48x96 mine.json --data data/people/test --html models.html\n"
       "\nExit status: 0 done, 2 a fault in the input, told in one line.");
   command->callback([arguments] { run_evaluate_classifier(*arguments); });
 }

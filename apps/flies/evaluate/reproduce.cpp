@@ -122,7 +122,7 @@ void setup_reproduce(CLI::App& app) {
       "everything.\n"
       "\nExamples:\n"
       "  flies reproduce\n"
-      "  flies reproduce --kitti 2011_09_26/2011_09_26_drive_0005_sync --json numbers.json\n"
+      "  flies reproduce --kitti data/kitti_raw/2011_09_26/2011_09_26_drive_0005_sync --json numbers.json\n"
       "\nExit status: 0 done, 2 a fault in the options or a folder, or a file that cannot be written.");
   command->callback([arguments] { run_reproduce(*arguments); });
 }

@@ -141,7 +141,7 @@ class Steered {
 class Outputs {
  public:
   explicit Outputs(const LiveArguments& arguments) : status_(!arguments.json.empty() && arguments.json != "-") {
-    if (!arguments.json.empty()) sinks_.push_back(&json_.emplace(arguments.json));
+    if (!arguments.json.empty()) add_json(arguments.json);
     if (arguments.view_port) add_view({arguments.view_address, *arguments.view_port});
     if (arguments.foxglove_port) add_foxglove(arguments.foxglove_address, *arguments.foxglove_port);
     if (!arguments.record.empty()) add_record(arguments.record);
@@ -154,6 +154,7 @@ class Outputs {
   View* view() { return view_ ? &*view_ : nullptr; }
 
   void finish(const flies::PairStreamCounts& source) {
+    if (json_queue_) json_queue_->finish();
     if (record_queue_) record_queue_->finish();
     if (record_) record_->close();
     if (film_queue_) film_queue_->finish();
@@ -162,15 +163,23 @@ class Outputs {
   }
 
  private:
+  /// Whoever reads slowly, or a disk that hangs, holds up nobody else.
+  void add_json(const std::string& path) {
+    json_.emplace(path);
+    sinks_.push_back(&json_queue_.emplace(*json_, kMostForRecord, QueuedSink::Haste::is_awaited, [path] {
+      say_notes({(path == "-" ? "standard output" : path) + ": takes too long to be written; some pairs are left out"});
+    }));
+  }
   void add_view(const flies::WebServerRequest& request) {
     sinks_.push_back(&view_.emplace(request));
     std::fprintf(stderr, "flies: page at %s\n", view_->address().c_str());
   }
   void add_foxglove(const std::string& address, int port) {
     foxglove_.emplace(address, port);
-    // First of all: it has a thread of its own, and others write and encode before they hand back.
+    // First of all, and in two threads: results do not wait for pictures to be encoded.
     sinks_.insert(sinks_.begin(),
                   &foxglove_queue_.emplace(*foxglove_, kMostForFoxglove, QueuedSink::Haste::is_awaited));
+    sinks_.push_back(&picture_queue_.emplace(foxglove_->pictures(), kMostForFoxglove, QueuedSink::Haste::can_wait));
     std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", address.c_str(), foxglove_->port());
   }
   void add_record(const std::string& path) {
@@ -188,10 +197,11 @@ class Outputs {
   }
 
   std::optional<JsonSink> json_;
+  std::optional<QueuedSink> json_queue_;
   std::optional<TableSink> table_;
   std::optional<View> view_;
   std::optional<FoxgloveSink> foxglove_;
-  std::optional<QueuedSink> foxglove_queue_;
+  std::optional<QueuedSink> foxglove_queue_, picture_queue_;
   std::optional<RecordSink> record_;
   std::optional<QueuedSink> record_queue_;
   std::optional<FilmSink> film_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -17,7 +18,8 @@ struct LivePair {
   std::uint64_t number = 0;  ///< counts the pairs of the source from 0; gaps in what follows are dropped ones
   flies::GrayPair images;    ///< rectified
   double time_s = 0.0, skew_s = 0.0;
-  std::uint64_t skipped = 0;  ///< pictures of the source so far that newer ones overtook unread; they have no number
+  std::uint64_t skipped = 0;  ///< pictures of the source so far that newer ones overtook unread, or that came during a
+                              ///< pause; they have no number
   std::string left_name, right_name;
 };
 
@@ -44,11 +46,15 @@ struct LiveFrame {
   std::shared_ptr<const flies::Snapshot> snapshot;
   flies::StereoCamera camera;
   GroundPose pose;
+  std::uint64_t dropped = 0;                                   ///< pairs so far, by all engines of the run
   std::shared_ptr<const flies::DetectorOptions> options = {};  ///< that this pair was worked on with
   std::string preset = {};
   std::shared_ptr<const flies::RunRecord> run = {};
   std::uint64_t began_ns = 0;  ///< nanoseconds since 1970 at time 0 of the pairs
   std::shared_ptr<FrameEncodings> encodings = std::make_shared<FrameEncodings>();
+
+  /// Bytes of its pictures, most of what it holds.
+  std::size_t picture_bytes() const { return pair->images.left.pixels.size() + pair->images.right.pixels.size(); }
 };
 
 /// Someone who writes or shows what a living source gives. Called from one thread, but `note` from any.

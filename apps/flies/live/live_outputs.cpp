@@ -17,7 +17,7 @@ TrackedFrame tracked_frame(const LiveFrame& frame) {
           .tracking = frame.snapshot->tracking,
           .live = LiveRecord{.latency_ms = frame.snapshot->latency_ms,
                              .skew_ms = 1e3 * frame.pair->skew_s,
-                             .dropped = frame.snapshot->dropped,
+                             .dropped = frame.dropped,
                              .skipped = frame.pair->skipped},
           .run = frame.run};
 }

@@ -74,7 +74,10 @@ bool LiveRun::wait_for_pair(flies::StereoFrame& frame) {
         rethrow_failure();
         const bool is_living =
             request_.stream.folder.empty() && flies::is_living(flies::source_kind(request_.stream.sources.front()));
-        if (is_living && stream_->next(frame, 0ms) == Answer::ended) return false;
+        if (!is_living) continue;
+        const Answer answer = stream_->next(frame, 0ms);
+        if (answer == Answer::ended) return false;
+        if (answer == Answer::frame) ++passed_while_paused_;
         continue;
       }
     }
@@ -164,7 +167,11 @@ std::shared_ptr<const LiveRun::Worker> LiveRun::new_worker(const flies::Detector
   worker->engine = std::make_unique<flies::Engine>(camera, options, following, request_.classifier);
   worker->options = std::make_shared<const flies::DetectorOptions>(options);
   worker->preset = preset;
-  worker->record = run_record(request_.method, options, camera, request_.calib);
+  worker->record = run_record({.method = request_.method,
+                               .camera = request_.camera,
+                               .corrections = request_.corrections,
+                               .reading = request_.stream.reading},
+                              options, following, camera, request_.calib, diagnosis_);
   worker->first_number = first_number;
   return worker;
 }
@@ -174,10 +181,9 @@ std::shared_ptr<LivePair> LiveRun::prepare(flies::StereoFrame frame) {
   pair->number = next_number_++;
   pair->images = calibration_->rectifier ? calibration_->rectifier->rectify(frame.images) : std::move(frame.images);
   diagnosis_.correct(pair->images);
-  for (const auto& note : watch_.look(pair->images.view(), calibration_->camera, frame.left_name)) say(note);
   pair->time_s = frame.time_s;
   pair->skew_s = frame.skew_s;
-  pair->skipped = frame.skipped;
+  pair->skipped = frame.skipped + passed_while_paused_;
   pair->left_name = std::move(frame.left_name);
   pair->right_name = std::move(frame.right_name);
   return pair;
@@ -210,6 +216,8 @@ void LiveRun::submit(std::shared_ptr<LivePair> pair, bool is_awaited) {
     if (recent_.size() > kRecentPairs) recent_.erase(recent_.begin());
   }
   worker->engine->submit(pair->images.view(), pair->time_s);
+  // While the engine works.
+  for (const auto& note : watch_.look(pair->images.view(), calibration_->camera, pair->left_name)) say(note);
   if (!is_awaited) return;
   std::unique_lock lock(mutex_);
   while (handed_on_ <= before && !failure_ && !is_end_requested()) changed_.wait_for(lock, 100ms);
@@ -233,12 +241,11 @@ void LiveRun::go_on_with(std::shared_ptr<const Worker> worker) {
   handing_worker_ = std::move(worker);
 }
 
-/// A result as if there had been one engine all along: dropped pairs are counted on, no number is given to two tracks.
+/// A result as if there had been one engine all along: no number is given to two tracks.
 std::shared_ptr<const flies::Snapshot> LiveRun::continued(
     const std::shared_ptr<const flies::Snapshot>& snapshot) const {
-  if (dropped_before_ == 0 && ids_before_ == 0) return snapshot;
+  if (ids_before_ == 0) return snapshot;
   auto result = std::make_shared<flies::Snapshot>(*snapshot);
-  result->dropped += dropped_before_;
   for (auto& track : result->tracking.tracks) track.id += ids_before_;
   return result;
 }
@@ -246,6 +253,7 @@ std::shared_ptr<const flies::Snapshot> LiveRun::continued(
 void LiveRun::hand_on_results() {
   const auto result = handing_worker_->engine->wait_for_next(last_result_, 50ms);
   if (result->number == last_result_) return;
+  overtaken_ += result->number - last_result_ - 1;
   const auto snapshot = continued(result);
   results_ += snapshot->number - last_result_;
   last_result_ = snapshot->number;
@@ -258,6 +266,7 @@ void LiveRun::hand_on_results() {
                           .snapshot = snapshot,
                           .camera = calibration_->camera,
                           .pose = pose_,
+                          .dropped = dropped_before_ + overtaken_ + snapshot->dropped,
                           .options = handing_worker_->options,
                           .preset = handing_worker_->preset,
                           .run = handing_worker_->record,
@@ -265,6 +274,7 @@ void LiveRun::hand_on_results() {
     for (LiveSink* sink : sinks_) sink->take(frame);
   }
   const std::lock_guard lock(mutex_);
+  while (pair && recent_.size() > 1 && recent_.front()->number < pair->number) recent_.erase(recent_.begin());
   if (handing_worker_ == worker_) handed_on_ = last_result_;
   changed_.notify_all();
 }

@@ -93,6 +93,7 @@ class LiveRun {
   RunDiagnosis diagnosis_;
   flies::PairWatch watch_;
   std::uint64_t next_number_ = 0;
+  std::uint64_t passed_while_paused_ = 0;  ///< pairs
   std::uint64_t began_ns_ = 0;
 
   mutable std::mutex mutex_;  ///< of all below
@@ -114,6 +115,7 @@ class LiveRun {
   std::uint64_t last_result_ = 0;                  ///< of that worker
   std::uint64_t results_ = 0;                      ///< of all workers
   std::uint64_t dropped_before_ = 0;               ///< pairs, by the workers before
+  std::uint64_t overtaken_ = 0;                    ///< results that newer ones pushed out before they were handed on
   std::uint64_t ids_before_ = 0, highest_id_ = 0;  ///< of tracks
   bool error_told_ = false;
   GroundPose pose_;

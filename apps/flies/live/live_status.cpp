@@ -22,6 +22,7 @@ void LiveStatus::take(const LiveFrame& frame) {
     start_ = shown_ = now;
     first_number_ = frame.pair->number;
   }
+  newest_ = now;
   latencies_.add(frame.snapshot->latency_ms);
   last_number_ = frame.pair->number;
   dropped_ = last_number_ - first_number_ + 1 - pairs_;
@@ -32,7 +33,7 @@ void LiveStatus::take(const LiveFrame& frame) {
 
 std::string LiveStatus::text() const {
   if (pairs_ == 0) return "no pair";
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+  const std::chrono::duration<double> elapsed = newest_ - start_;
   const double rate = pairs_ > 1 && elapsed.count() > 0.0 ? static_cast<double>(pairs_ - 1) / elapsed.count() : 0.0;
   return fmt::format("{} {}, {:.1f} a second; {}; {} dropped", pairs_, pairs_ == 1 ? "pair" : "pairs", rate,
                      latencies_.text(), dropped_);

@@ -22,7 +22,7 @@ class LiveStatus final : public LiveSink {
   std::string text() const;
 
   bool is_visible_;
-  std::chrono::steady_clock::time_point start_, shown_;
+  std::chrono::steady_clock::time_point start_, shown_, newest_;  ///< newest_: of the last pair
   Latencies latencies_;
   std::uint64_t pairs_ = 0, dropped_ = 0, first_number_ = 0, last_number_ = 0;
 };

@@ -18,7 +18,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kRecent = 20;  // a page that is slow asks for pictures of a while ago
+constexpr std::size_t kRecent = 20;              // a page that is slow asks for pictures of a while ago
+constexpr std::size_t kRecentBytes = 32U << 20;  // of their pictures, but for a few
+constexpr std::size_t kFewestRecent = 4;
+constexpr std::chrono::seconds kPageIsThere{10};  // after it asked for something
 constexpr std::size_t kMostNotes = 50;
 constexpr std::chrono::milliseconds kPatience{1000};
 constexpr std::chrono::seconds kRateOver{2};
@@ -39,11 +42,16 @@ std::optional<std::uint64_t> number_in(const flies::WebRequest& request, const s
   return std::stoull(found->second);
 }
 
-std::vector<flies::OptionListing> all_options(const LiveRun& run) {
-  auto listings = flies::list_options(run.options());
-  for (auto& listing : flies::list_options(run.following())) listings.push_back(std::move(listing));
-  return listings;
-}
+struct RunOptions {
+  flies::DetectorOptions detector;
+  flies::TrackerOptions following;
+
+  std::vector<flies::OptionListing> listings() const {
+    auto all = flies::list_options(detector);
+    for (auto& listing : flies::list_options(following)) all.push_back(std::move(listing));
+    return all;
+  }
+};
 
 }  // namespace
 
@@ -87,7 +95,9 @@ void View::take(const LiveFrame& frame) {
     const std::lock_guard lock(mutex_);
     if (recent_.empty() || recent_.back().options != frame.options) ++changes_;
     recent_.push_back(frame);
-    if (recent_.size() > kRecent) recent_.pop_front();
+    const std::size_t fitting = std::max(kFewestRecent, kRecentBytes / frame.picture_bytes());
+    const std::size_t most = now - asked_ < kPageIsThere ? std::min(kRecent, fitting) : 1;
+    while (recent_.size() > most) recent_.pop_front();
     samples_.push_back({now, frame.snapshot->latency_ms});
     while (now - samples_.front().time > kRateOver) samples_.pop_front();
   }
@@ -97,7 +107,8 @@ void View::take(const LiveFrame& frame) {
 void View::note(const std::string& sentence) {
   {
     const std::lock_guard lock(mutex_);
-    if (notes_.size() < kMostNotes) notes_.push_back(sentence);
+    notes_.push_back(sentence);
+    if (notes_.size() > kMostNotes) notes_.pop_front();
     ++changes_;
   }
   changed_.notify_all();
@@ -106,6 +117,7 @@ void View::note(const std::string& sentence) {
 flies::WebAnswer View::answer(const flies::WebRequest& request) {
   {
     const std::lock_guard lock(mutex_);  // the constructor may still be at it
+    asked_ = Clock::now();
   }
   auto refusal = access_->refuse(request);
   flies::WebAnswer answer = refusal ? *refusal : answer_allowed(request);
@@ -134,8 +146,16 @@ flies::WebAnswer View::state(const flies::WebRequest& request) {
   });
   Json state = {{"run", run_id_}, {"changes", changes_}, {"notes", notes_}};
   state["is_paused"] = run_ != nullptr && run_->is_paused();
-  if (run_ != nullptr) state["options"] = view_options(all_options(*run_));
-  if (recent_.empty()) return json_answer(state);
+  std::optional<RunOptions> options;  // listed when nobody waits for the lock
+  if (run_ != nullptr && changes != changes_) options = {run_->options(), run_->following()};
+  const auto list_options = [&] {
+    if (options) state["options"] = view_options(options->listings());
+  };
+  if (recent_.empty()) {
+    lock.unlock();
+    list_options();
+    return json_answer(state);
+  }
   const LiveFrame frame = recent_.back();
   std::vector<double> latencies;
   for (const auto& sample : samples_) latencies.push_back(sample.latency_ms);
@@ -146,14 +166,12 @@ flies::WebAnswer View::state(const flies::WebRequest& request) {
   rates.latency_p99_ms = flies::quantile(latencies, 0.99);
   const auto source = run_ != nullptr ? run_->source_counts() : flies::PairStreamCounts{};
   lock.unlock();
+  list_options();
   state.update(view_frame(frame));
-  state["rates"] = {{"pairs_hz", rates.pairs_hz},
-                    {"latency_ms", rates.latency_ms},
-                    {"latency_p99_ms", rates.latency_p99_ms},
-                    {"dropped", frame.snapshot->dropped},
-                    {"skipped", frame.pair->skipped},
-                    {"broken", source.broken},
-                    {"losses", source.losses}};
+  state["rates"] = {
+      {"pairs_hz", rates.pairs_hz}, {"latency_ms", rates.latency_ms}, {"latency_p99_ms", rates.latency_p99_ms},
+      {"dropped", frame.dropped},   {"skipped", frame.pair->skipped}, {"broken", source.broken},
+      {"losses", source.losses}};
   flies::WebAnswer answer = json_answer(state);
   answer.body.back() = ',';
   answer.body += R"("record":)" + json_line(frame) + "}";
@@ -186,7 +204,7 @@ flies::WebAnswer View::report(const flies::WebRequest& request) {
   std::vector<std::string> notes;
   {
     const std::lock_guard lock(mutex_);
-    notes = notes_;
+    notes.assign(notes_.begin(), notes_.end());
   }
   const std::string options = options_file_text(*frame->options, frame->run->people_model);
   return {.type = "application/zip",

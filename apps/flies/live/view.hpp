@@ -52,8 +52,9 @@ class View final : public LiveSink {
   std::condition_variable changed_;
   std::deque<LiveFrame> recent_;  ///< the newest last
   std::deque<Sample> samples_;
-  std::vector<std::string> notes_;
-  std::uint64_t changes_ = 0;  ///< of what the page shows beside pairs
+  std::deque<std::string> notes_;                ///< the newest last
+  std::chrono::steady_clock::time_point asked_;  ///< when a page asked for something
+  std::uint64_t changes_ = 0;                    ///< of what the page shows beside pairs
   LiveRun* run_ = nullptr;
   bool is_ending_ = false;
   std::optional<flies::Access> access_;

@@ -1,6 +1,7 @@
 #include "shared/method_arguments.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -67,24 +68,6 @@ std::string preset_name(const flies::DetectorOptions& options) {
   return "custom";
 }
 
-std::shared_ptr<const flies::RunRecord> run_record(const MethodArguments& arguments,
-                                                   const flies::DetectorOptions& options,
-                                                   const flies::StereoCamera& camera, const std::string& calibration) {
-  const flies::Preset preset = flies::preset_named(arguments.preset, "command line");
-  auto run = std::make_shared<flies::RunRecord>();
-  run->version = FLIES_VERSION;
-  run->calibration = calibration;
-  run->camera = camera;
-  run->people_model = people_model_of(arguments);
-  run->preset = arguments.preset;
-  const auto unchanged = flies::list_options(flies::preset_options(preset)), used = flies::list_options(options);
-  for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i].value != unchanged[i].value && used[i].path != "seed" &&
-        used[i].path != "threads")  // told beside; no effect
-      run->options.emplace_back(used[i].path, used[i].value);
-  return run;
-}
-
 namespace {
 
 /// A preset with what the user sets.
@@ -113,4 +96,77 @@ flies::DetectorOptions effective_options(const MethodArguments& arguments, const
   const bool is_as_published = arguments.preset == enum_name(flies::Preset::paper);
   const flies::DetectorOptions preset = preset_of(arguments);
   return with_settings(is_as_published ? preset : flies::fitted_options(camera, preset), arguments);
+}
+
+namespace {
+
+using Texts = std::vector<std::pair<std::string, std::string>>;
+
+constexpr std::pair<flies::Split, const char*> kSplits[] = {{flies::Split::side_by_side, "side"},
+                                                            {flies::Split::top_bottom, "top"}};
+constexpr std::pair<flies::BayerPattern, const char*> kBayerPatterns[] = {{flies::BayerPattern::rggb, "rggb"},
+                                                                          {flies::BayerPattern::bggr, "bggr"},
+                                                                          {flies::BayerPattern::grbg, "grbg"},
+                                                                          {flies::BayerPattern::gbrg, "gbrg"}};
+constexpr std::pair<SelfRectify, const char*> kSelfRectify[] = {{SelfRectify::on, "on"}, {SelfRectify::off, "off"}};
+
+/// The options of a command line that are not as they are without it. The mount is told as it is used.
+Texts input_of(const RunWords& words) {
+  Texts input;
+  const auto add_named = [&](const char* option, const auto& value, const auto& names) {
+    for (const auto& [named, name] : names)
+      if (value == named) input.emplace_back(option, name);
+  };
+  const auto add_numbers = [&](const char* option, const std::vector<int>& numbers) {
+    if (!numbers.empty()) input.emplace_back(option, fmt::format("{}", fmt::join(numbers, ",")));
+  };
+  if (words.pair_by != "auto") input.emplace_back("pair-by", words.pair_by);
+  add_named("split", words.reading.split, kSplits);
+  add_named("bayer", words.reading.bayer, kBayerPatterns);
+  add_numbers("cameras", words.camera.cameras);
+  if (!words.camera.right_calib.empty()) input.emplace_back("right-calib", words.camera.right_calib);
+  if (words.camera.is_raw) input.emplace_back("raw", "true");
+  if (words.camera.is_resized) input.emplace_back("resized", "true");
+  if (words.camera.baseline_m) input.emplace_back("baseline", fmt::format("{}", *words.camera.baseline_m));
+  add_numbers("calib-size", words.camera.calibrated_size_px);
+  add_named("self-rectify", words.corrections.self_rectify, kSelfRectify);
+  return input;
+}
+
+/// Those that the user must say again to have them: neither seed, which is told beside, nor threads, without effect.
+Texts options_to_say(const MethodArguments& arguments, const flies::DetectorOptions& used,
+                     const flies::StereoCamera& camera) {
+  MethodArguments preset_alone;
+  preset_alone.preset = arguments.preset;
+  const auto of_preset = flies::list_options(effective_options(preset_alone));
+  const auto fitted = flies::list_options(effective_options(preset_alone, camera));
+  const auto all = flies::list_options(used);
+  Texts options;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if ((all[i].value != of_preset[i].value || all[i].value != fitted[i].value) && all[i].path != "seed" &&
+        all[i].path != "threads")
+      options.emplace_back(all[i].path, all[i].value);
+  return options;
+}
+
+}  // namespace
+
+std::shared_ptr<const flies::RunRecord> run_record(const RunWords& words, const flies::DetectorOptions& options,
+                                                   const flies::TrackerOptions& following,
+                                                   const flies::StereoCamera& camera, const std::string& calibration,
+                                                   const RunDiagnosis& diagnosis) {
+  auto run = std::make_shared<flies::RunRecord>();
+  run->version = FLIES_VERSION;
+  run->calibration = calibration;
+  run->camera = camera;
+  if (const auto& rows = diagnosis.correction)
+    run->row_correction = {.offset_px = rows->offset_px, .roll_rad = rows->slope, .middle_u_px = rows->middle_u_px};
+  run->input = input_of(words);
+  run->people_model = people_model_of(words.method);
+  run->preset = words.method.preset;
+  run->options = options_to_say(words.method, options, camera);
+  const auto usual = flies::list_options(flies::TrackerOptions{}), used = flies::list_options(following);
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i].value != usual[i].value) run->options.emplace_back(used[i].path, used[i].value);
+  return run;
 }

@@ -6,9 +6,13 @@
 #include <utility>
 #include <vector>
 
+#include "flies/io/images.hpp"
 #include "flies/io/writers.hpp"
 #include "flies/pipeline/detector.hpp"
+#include "flies/pipeline/tracker.hpp"
+#include "shared/camera_arguments.hpp"
 #include "shared/listed_options.hpp"
+#include "shared/run_diagnosis.hpp"
 
 /// The options of the method as given on a command line, unchecked.
 struct MethodArguments {
@@ -45,8 +49,22 @@ std::string options_file_text(const flies::DetectorOptions& options, const std::
 /// The preset whose options these are, whatever seed and threads; "custom" when they are no preset's.
 std::string preset_name(const flies::DetectorOptions& options);
 
+/// What the user said of a run beside its files.
+struct RunWords {
+  const MethodArguments& method;
+  const CameraArguments& camera;
+  const RunCorrections& corrections;
+  flies::PairReading reading = {};
+  std::string pair_by = "auto";
+};
+
 /// What a run is made of, for its record.
-/// @param options as they are used, fitted to the camera
-std::shared_ptr<const flies::RunRecord> run_record(const MethodArguments& arguments,
-                                                   const flies::DetectorOptions& options,
-                                                   const flies::StereoCamera& camera, const std::string& calibration);
+/// @param options     as they are used, fitted to the camera
+/// @param following   of runs that do not follow the defaults
+/// @param camera      as it is used
+/// @param calibration its file
+/// @param diagnosis   by which rows are corrected
+std::shared_ptr<const flies::RunRecord> run_record(const RunWords& words, const flies::DetectorOptions& options,
+                                                   const flies::TrackerOptions& following,
+                                                   const flies::StereoCamera& camera, const std::string& calibration,
+                                                   const RunDiagnosis& diagnosis);

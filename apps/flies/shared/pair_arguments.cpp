@@ -45,20 +45,33 @@ flies::PairReading reading_of(const ReadingArguments& arguments) {
   return reading;
 }
 
-std::vector<flies::PairPaths> pairs_of(const PairArguments& arguments) {
+flies::MatchedPairs matched_pairs_of(const PairArguments& arguments) {
   const bool is_joined = reading_of(arguments.reading).split != flies::Split::none;
   if (is_joined && !arguments.right.empty())
     throw flies::InputError("RIGHT", arguments.right, "is not needed: with --split one file holds both images");
   if (!is_joined && arguments.right.empty())
     throw flies::InputError("RIGHT", "",
                             "is missing: the right image, or a folder of them; or --split, where LEFT holds both");
-  if (is_joined) return flies::find_joined_pairs(arguments.left);
+  if (is_joined) return {.pairs = flies::find_joined_pairs(arguments.left), .odd = {}};
   const auto by = flies::pair_by_of(arguments.pair_by);
   if (!by) throw flies::InputError("--pair-by", arguments.pair_by, "unknown, expected auto, order, name or time");
   auto found = flies::match_pairs(arguments.left, arguments.right, *by);
-  if (!found.odd.empty()) say_notes({fmt::format("without a partner, and left out: {}", fmt::join(found.odd, ", "))});
+  if (!found.odd.empty())
+    found.notes.insert(found.notes.begin(),
+                       fmt::format("without a partner, and left out: {}", fmt::join(found.odd, ", ")));
+  return found;
+}
+
+std::vector<flies::PairPaths> pairs_of(const PairArguments& arguments) {
+  auto found = matched_pairs_of(arguments);
   say_notes(found.notes);
   return std::move(found.pairs);
+}
+
+flies::Calibration calibration_of_files(const std::string& calib, const CameraArguments& camera,
+                                        const flies::PairPaths& pair, const flies::RectifiedPair& images) {
+  if (const auto note = orientation_note(pair)) say_notes({*note});
+  return flies::load_calibration(calib, calibration_request(camera, pair.left, pair.right, images));
 }
 
 std::optional<std::string> orientation_note(const flies::PairPaths& pair) {

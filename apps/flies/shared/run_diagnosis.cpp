@@ -9,15 +9,17 @@
 #include "flies/core/error.hpp"
 #include "flies/io/images.hpp"
 #include "flies/pipeline/detector.hpp"
+#include "shared/camera_arguments.hpp"
 
 namespace {
 
 constexpr std::size_t kPairs = 5;
 
-bool is_to_be_corrected(const std::optional<flies::RowError>& rows, SelfRectify mode) {
+bool is_to_be_corrected(const flies::PairDiagnosis& diagnosis, SelfRectify mode) {
+  const auto& rows = diagnosis.rows;
   if (!rows || mode == SelfRectify::off) return false;
   if (mode == SelfRectify::on) return true;
-  return rows->typical_px() >= flies::kRowErrorMatters_px && flies::can_be_made_up_for(*rows);
+  return diagnosis.rows_agree() && rows->typical_px() >= flies::kRowErrorMatters_px && flies::can_be_made_up_for(*rows);
 }
 
 /// An option whose values have names.
@@ -37,21 +39,76 @@ void add_named_option(CLI::App& command, const std::string& option, Value& value
       ->type_name("MODE");
 }
 
-std::vector<flies::GrayPair> load_sample(std::size_t pairs, const LoadPair& load,
-                                         const flies::Calibration& calibration) {
-  std::vector<flies::GrayPair> sample;
-  const std::size_t count = std::min(kPairs, pairs);
-  for (std::size_t k = 0; k < count; ++k) {
+struct SampledPair {
+  std::size_t index = 0;
+  flies::GrayPair images;  ///< as they were read
+};
+
+/// Of up to five pairs, spread evenly, those that can be read; if none can, the first of all that can, if any.
+/// @param fault gets that of the first pair that cannot
+std::vector<SampledPair> read_sample(std::size_t pairs, const LoadPair& load, std::optional<flies::InputError>& fault) {
+  std::vector<SampledPair> sample;
+  const auto read = [&](std::size_t index) {
     try {
-      flies::GrayPair images = load(count == 1 ? 0 : k * (pairs - 1) / (count - 1));
-      if (calibration.rectifier) images = calibration.rectifier->rectify(images);
-      const flies::RectifiedPair view = images.view();
-      flies::check_camera_fits(calibration.camera, view.left.width_px, view.left.height_px, "pair");
-      sample.push_back(std::move(images));
+      sample.push_back({index, load(index)});
+    } catch (const flies::InputError& error) {  // told when its turn comes
+      if (!fault) fault = error;
+    }
+  };
+  const std::size_t count = std::min(kPairs, pairs);
+  for (std::size_t k = 0; k < count; ++k) read(count == 1 ? 0 : k * (pairs - 1) / (count - 1));
+  for (std::size_t i = 0; sample.empty() && i < pairs; ++i) read(i);
+  return sample;
+}
+
+/// What is to be said of files, whatever is done with them: of the first pair that has something.
+std::vector<std::string> notes_on_files(const std::vector<SampledPair>& sample) {
+  std::vector<std::string> notes;
+  for (const auto& [index, images] : sample)
+    if (notes.empty()) notes = images.notes;
+  for (const auto& [index, images] : sample)
+    if (auto mosaic = flies::mosaic_note(images.view())) {
+      notes.push_back(*std::move(mosaic));
+      break;
+    }
+  return notes;
+}
+
+flies::GrayPair rectified(const flies::Calibration& calibration, flies::GrayPair images) {
+  return calibration.rectifier ? calibration.rectifier->rectify(images) : std::move(images);
+}
+
+void check_size(const flies::StereoCamera& camera, const flies::GrayPair& images, const std::string& source) {
+  flies::check_camera_fits(camera, images.left.width_px, images.left.height_px, source);
+}
+
+RunDiagnosis diagnose_read(std::vector<SampledPair> sample, flies::Calibration& calibration,
+                           const RunCorrections& corrections) {
+  auto notes = notes_on_files(sample);
+  std::vector<flies::GrayPair> usable;
+  for (auto& [index, images] : sample) {
+    try {
+      flies::GrayPair pair = rectified(calibration, std::move(images));
+      check_size(calibration.camera, pair, "pair");
+      usable.push_back(std::move(pair));
     } catch (const flies::InputError&) {  // told when its turn comes
     }
   }
-  return sample;
+  auto run = diagnose_sample(std::move(usable), calibration, corrections);
+  run.notes.insert(run.notes.begin(), notes.begin(), notes.end());
+  return run;
+}
+
+/// Leaves those of the size that most have; of sizes that are as frequent, of that which comes first.
+void keep_commonest_size(std::vector<SampledPair>& sample) {
+  const auto size_of = [](const SampledPair& pair) {
+    return std::pair(pair.images.left.width_px, pair.images.left.height_px);
+  };
+  std::map<std::pair<int, int>, int> counts;
+  for (const auto& pair : sample) ++counts[size_of(pair)];
+  const auto commonest =
+      size_of(*std::ranges::max_element(sample, {}, [&](const SampledPair& pair) { return counts[size_of(pair)]; }));
+  std::erase_if(sample, [&](const SampledPair& pair) { return size_of(pair) != commonest; });
 }
 
 flies::MountFinding mount_of(const std::vector<flies::GrayPair>& sample, const flies::StereoCamera& camera) {
@@ -95,38 +152,10 @@ std::optional<flies::DiagnosisRecord> RunDiagnosis::record() const {
   return record;
 }
 
-FirstPair first_readable(std::size_t pairs, const LoadPair& load) {
-  std::optional<flies::InputError> fault;
-  for (std::size_t i = 0; i < pairs; ++i) {
-    try {
-      return {i, load(i)};
-    } catch (const flies::InputError& error) {
-      if (!fault) fault = error;
-    }
-  }
-  throw flies::InputError(*fault);
-}
-
-RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::PairReading& reading,
-                      flies::Calibration& calibration, const RunCorrections& corrections) {
-  const auto load = [&](std::size_t pair) { return flies::load_pair(pairs[pair], reading); };
-  return diagnose(pairs.size(), load, calibration, corrections);
-}
-
 RunDiagnosis diagnose(std::size_t pairs, const LoadPair& load, flies::Calibration& calibration,
                       const RunCorrections& corrections) {
-  std::optional<std::string> mosaic;
-  std::vector<std::string> notes;  // on the files
-  const LoadPair look_and_load = [&](std::size_t pair) {
-    auto images = load(pair);
-    if (!mosaic) mosaic = flies::mosaic_note(images.view());
-    if (notes.empty()) notes = images.notes;
-    return images;
-  };
-  auto run = diagnose_sample(load_sample(pairs, look_and_load, calibration), calibration, corrections);
-  if (mosaic) notes.push_back(*mosaic);
-  run.notes.insert(run.notes.begin(), notes.begin(), notes.end());
-  return run;
+  std::optional<flies::InputError> fault;
+  return diagnose_read(read_sample(pairs, load, fault), calibration, corrections);
 }
 
 RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibration& calibration,
@@ -142,7 +171,7 @@ RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibra
     return flies::diagnose_run(each);
   };
   run.diagnosis = diagnose_now();
-  if (is_to_be_corrected(run.diagnosis.rows, corrections.self_rectify)) {
+  if (is_to_be_corrected(run.diagnosis, corrections.self_rectify)) {
     run.correction = run.diagnosis.rows;
     run.notes.push_back(fmt::format(
         "rows of the right image lie {:+.1f} px lower than those of the left one ({:+.1f} and {:+.1f} px at the "
@@ -160,5 +189,36 @@ RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibra
   }
   if (run.mount.is_upside_down) run.diagnosis.nearer_above.reset();  // told by the note on the mount
   for (auto& complaint : flies::complaints(run.diagnosis)) run.notes.push_back(std::move(complaint));
+  return run;
+}
+
+flies::GrayPair CalibratedRun::usable(std::size_t pair) const {
+  flies::GrayPair images = rectified(calibration, load(pair));
+  check_size(calibration.camera, images, paths[pair].left);
+  diagnosis.correct(images);
+  return images;
+}
+
+std::vector<std::string> CalibratedRun::notes(const std::string& calib) const {
+  auto all = named(calib, calibration.notes);
+  for (auto& note : named(first().left, diagnosis.notes)) all.push_back(std::move(note));
+  return all;
+}
+
+CalibratedRun calibrate_run(std::vector<flies::PairPaths> paths, LoadPair load, const Calibrate& calibrate,
+                            const std::string& calib, const RunCorrections& corrections) {
+  std::optional<flies::InputError> fault;
+  auto sample = read_sample(paths.size(), load, fault);
+  if (sample.empty()) throw flies::InputError(*fault);
+  keep_commonest_size(sample);
+  CalibratedRun run{
+      .paths = std::move(paths), .load = std::move(load), .sample = {}, .calibration = {}, .diagnosis = {}};
+  for (const auto& pair : sample) run.sample.push_back(pair.index);
+  run.calibration = calibrate(run.first(), sample.front().images.view());
+  const auto images = rectified(run.calibration, sample.front().images);
+  check_size(run.calibration.camera, images, calib);
+  run.calibration.camera.width_px = images.left.width_px;
+  run.calibration.camera.height_px = images.left.height_px;
+  run.diagnosis = diagnose_read(std::move(sample), run.calibration, corrections);
   return run;
 }

@@ -49,25 +49,40 @@ struct RunDiagnosis {
 /// Loads one pair of a run. @throws flies::InputError when it cannot be used
 using LoadPair = std::function<flies::GrayPair(std::size_t)>;
 
-struct FirstPair {
-  std::size_t index = 0;
-  flies::GrayPair images;
-};
-
-/// The first pair that can be read, which calibrations that do not tell their size are held against.
-/// @param pairs at least one
-/// @throws flies::InputError of the first pair when none can
-FirstPair first_readable(std::size_t pairs, const LoadPair& load);
-
 /// Diagnoses up to five readable pairs of a run; those that cannot be used are passed over.
 /// @param calibration gets the mount that was found, where it is to be used
-RunDiagnosis diagnose(const std::vector<flies::PairPaths>& pairs, const flies::PairReading& reading,
-                      flies::Calibration& calibration, const RunCorrections& corrections);
-
-/// The same of pairs that come from elsewhere.
 RunDiagnosis diagnose(std::size_t pairs, const LoadPair& load, flies::Calibration& calibration,
                       const RunCorrections& corrections);
 
 /// The same of pairs at hand, rectified and of the camera's size.
 RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibration& calibration,
                              const RunCorrections& corrections);
+
+/// Finds the calibration for a pair that was read. @throws flies::InputError when there is none for it
+using Calibrate = std::function<flies::Calibration(const flies::PairPaths&, const flies::RectifiedPair&)>;
+
+/// A run before its first result.
+struct CalibratedRun {
+  std::vector<flies::PairPaths> paths;  ///< what the pairs are called
+  LoadPair load;
+  std::vector<std::size_t> sample;  ///< readable pairs of the size that most of up to five have, in order; at least one
+  flies::Calibration calibration;   ///< for that size, with the mount that is to be used
+  RunDiagnosis diagnosis;
+
+  const flies::PairPaths& first() const { return paths[sample.front()]; }
+
+  /// A pair as the method wants it. @throws flies::InputError when it cannot be used
+  flies::GrayPair usable(std::size_t pair) const;
+
+  /// Sentences for the user, each with its file before it: of the calibration `calib`, and on the images.
+  std::vector<std::string> notes(const std::string& calib) const;
+};
+
+/// Reads up to five pairs of a run, spread evenly, finds the calibration for the size that most of them have, and
+/// diagnoses those: one odd pair costs the run nothing, wherever it stands. Where none of them can be read, the first
+/// one that can counts.
+/// @param paths at least one
+/// @param calib name of the calibration, for errors
+/// @throws flies::InputError of the first pair when none can be read, and when calibration and size do not go together
+CalibratedRun calibrate_run(std::vector<flies::PairPaths> paths, LoadPair load, const Calibrate& calibrate,
+                            const std::string& calib, const RunCorrections& corrections);

@@ -252,7 +252,7 @@ void setup_synth(CLI::App& app) {
       "  flies synth one --scene pedestrian --people_min_range_m 15.5\n"
       "  flies synth room --scene room --frames 5            what a robot 1 m high sees; also aisle, woods, pavement\n"
       "  flies synth drive --sequence --seed 3               six seconds of driving, 10 pairs each\n"
-      "  flies synth pasted --paste people/crops --onto kitti/stereo2012 --start 1 --step 2\n"
+      "  flies synth pasted --paste data/people/test/positives/inria --onto data/kitti_stereo2012 --start 1 --step 2\n"
       "\nExit status: 0 done, 2 a fault in the options or a folder that cannot be written.");
   command->callback([arguments] { arguments->paste.empty() ? run_synth(*arguments) : run_paste(*arguments); });
 }

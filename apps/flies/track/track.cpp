@@ -1,9 +1,6 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
-#include <unistd.h>
 
-#include <chrono>
-#include <cstdio>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <optional>
@@ -22,13 +19,14 @@
 #include "flies/video/film.hpp"
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
-#include "shared/latencies.hpp"
 #include "shared/line_file.hpp"
 #include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
 #include "shared/output_claims.hpp"
 #include "shared/pair_arguments.hpp"
+#include "shared/progress_bar.hpp"
+#include "shared/read_ahead.hpp"
 #include "shared/run_diagnosis.hpp"
 #include "shared/sequence_source.hpp"
 #include "shared/standard_output.hpp"
@@ -60,36 +58,6 @@ void check_outputs(const TrackArguments& arguments) {
   claims.writes(arguments.video, "--video");
 }
 
-/// Rate and latency on a terminal, a line that is written over, and at the end one that stays.
-class StatusLine {
- public:
-  explicit StatusLine(bool is_wanted)
-      : is_visible_(is_wanted && verbosity() != Verbosity::quiet && isatty(STDERR_FILENO) != 0) {}
-  ~StatusLine() {
-    if (is_visible_ && pairs_ > 0) std::fprintf(stderr, "\r\033[K%s\n", text().c_str());
-  }
-  StatusLine(const StatusLine&) = delete;
-  StatusLine& operator=(const StatusLine&) = delete;
-
-  void show(double latency_ms) {
-    ++pairs_;
-    latencies_.add(latency_ms);
-    if (is_visible_) std::fprintf(stderr, "\r\033[K%s", text().c_str());
-  }
-
- private:
-  std::string text() const {
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-    return fmt::format("{} {}, {:.1f} a second; {}; 0 dropped", pairs_, pairs_ == 1 ? "pair" : "pairs",
-                       static_cast<double>(pairs_) / elapsed.count(), latencies_.text());
-  }
-
-  bool is_visible_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  std::size_t pairs_ = 0;
-  Latencies latencies_;
-};
-
 /// The film of a run, in the time of its pairs.
 class TrackFilm {
  public:
@@ -118,11 +86,11 @@ class TrackOutputFiles {
     if (!arguments.video.empty()) film_.emplace(arguments.video, times_s);
     if (!arguments.json.empty()) json_.emplace(arguments.json);
     if (!arguments.kitti.empty()) kitti_.emplace(arguments.kitti);
-    leave_the_terminal_ = arguments.json.empty() ? film_ && !kitti_ : arguments.json != "-";
+    prints_ = (!film_ && !json_ && !kitti_) || arguments.json == "-" || arguments.kitti == "-";
   }
 
-  /// Whether lines on standard error disturb nothing.
-  bool leave_the_terminal() const { return leave_the_terminal_; }
+  /// Whether results go where a progress bar would be drawn.
+  bool take_the_terminal() const { return prints_; }
 
   void write(const TrackedFrame& frame, const flies::RectifiedPair& pair) {
     if (json_) json_->write(track_json_line(frame));
@@ -141,17 +109,28 @@ class TrackOutputFiles {
  private:
   std::optional<LineFile> json_, kitti_;
   std::optional<TrackFilm> film_;
-  bool leave_the_terminal_ = false;
+  bool prints_ = false;
 };
 
-/// A pair as the tracker wants it. @throws flies::InputError when it cannot be
-flies::GrayPair usable_pair(const SequenceSource& source, std::size_t i, const flies::Calibration& calibration,
-                            const RunDiagnosis& run) {
-  flies::GrayPair images = source.load(i);
-  if (calibration.rectifier) images = calibration.rectifier->rectify(images);
-  run.correct(images);
-  flies::check_camera_fits(calibration.camera, images.left.width_px, images.left.height_px, source.pairs[i].left);
-  return images;
+flies::Calibration calibration_of(const TrackArguments& arguments, const SequenceSource& source,
+                                  const flies::PairPaths& pair, const flies::RectifiedPair& images) {
+  if (!source.recording) return calibration_of_files(source.calib, arguments.camera, pair, images);
+  if (arguments.sequence.calib.empty()) return source.recording->calibration(arguments.camera);
+  return flies::load_calibration(source.calib, calibration_request(arguments.camera, pair.left, pair.right, images));
+}
+
+/// @throws flies::InputError of the first pair when none of those that were looked at shows one scene twice
+void require_a_true_pair(const CalibratedRun& run) {
+  std::optional<flies::InputError> fault;
+  for (const std::size_t i : run.sample) {
+    try {
+      flies::check_true_pair(run.usable(i).view(), run.calibration.camera, run.paths[i].left, run.paths[i].right);
+      return;
+    } catch (const flies::InputError& error) {
+      if (!fault) fault = error;
+    }
+  }
+  throw flies::InputError(*fault);
 }
 
 void run_track(TrackArguments arguments) {
@@ -172,35 +151,27 @@ void run_track(TrackArguments arguments) {
     cv::setNumThreads(unfitted.threads);
   }
 
-  auto [first, images] = first_readable(source.pairs.size(), [&](std::size_t i) { return source.load(i); });
-  const auto& [first_left, first_right] = source.pairs[first];
-  if (!source.recording)
-    if (const auto note = orientation_note(source.pairs[first])) say_notes({*note});
-  flies::Calibration calibration =
-      source.recording && arguments.sequence.calib.empty()
-          ? source.recording->calibration(arguments.camera)
-          : flies::load_calibration(source.calib,
-                                    calibration_request(arguments.camera, first_left, first_right, images.view()));
-  if (calibration.rectifier) images = calibration.rectifier->rectify(images);
-  const int width_px = images.left.width_px, height_px = images.left.height_px;
-  flies::check_camera_fits(calibration.camera, width_px, height_px, source.calib);
-  calibration.camera.width_px = width_px;
-  calibration.camera.height_px = height_px;
-  const RunDiagnosis run = diagnose(
-      source.pairs.size(), [&](std::size_t i) { return source.load(i); }, calibration, arguments.corrections);
-  run.correct(images);
-  const auto options = effective_options(arguments.method, calibration.camera);
-  flies::Tracker tracker(calibration.camera, options, following, classifier);
-  const auto run_of = run_record(arguments.method, options, calibration.camera, source.calib);
-  auto notes = source.notes;
-  for (const auto& note : calibration.notes) notes.push_back(source.calib + ": " + note);
-  for (const auto& note : run.notes) notes.push_back(first_left + ": " + note);
-  say_notes(notes);
+  const CalibratedRun run = calibrate_run(
+      source.pairs, [&](std::size_t i) { return source.load(i); },
+      [&](const auto& pair, const auto& images) { return calibration_of(arguments, source, pair, images); },
+      source.calib, arguments.corrections);
+  const flies::StereoCamera& camera = run.calibration.camera;
+  const auto options = effective_options(arguments.method, camera);
+  flies::Tracker tracker(camera, options, following, classifier);
+  const auto run_of = run_record({.method = arguments.method,
+                                  .camera = arguments.camera,
+                                  .corrections = arguments.corrections,
+                                  .reading = source.reading},
+                                 options, following, camera, source.calib, run.diagnosis);
+  say_notes(source.notes);
+  say_notes(run.notes(source.calib));
   say_run(*run_of);
-  flies::check_true_pair(images.view(), calibration.camera, first_left, first_right);
+  require_a_true_pair(run);
 
   TrackOutputFiles outputs(arguments, source.times_s);
-  StatusLine status(outputs.leave_the_terminal());
+  ProgressBar progress(outputs.take_the_terminal() ? 0 : source.pairs.size());
+  ReadAhead<flies::GrayPair> ahead(
+      source.pairs.size(), [&](std::size_t i) { return run.usable(i); }, options.threads != 1);
   flies::PairWatch watch;
   std::vector<std::string> faults;
   for (std::size_t i = 0; i < source.pairs.size(); ++i) {
@@ -209,29 +180,28 @@ void run_track(TrackArguments arguments) {
                        .right = source.pairs[i].right,
                        .seed = unfitted.seed,
                        .preset = preset_name(unfitted),
-                       .camera = calibration.camera,
+                       .camera = camera,
                        .tracking = {},
-                       .run = run_of};
+                       .run = run_of,
+                       .diagnosis = run.diagnosis.record()};
+    flies::GrayPair images;
     std::string fault;
-    std::chrono::duration<double, std::milli> latency{};
     try {
-      images = usable_pair(source, i, calibration, run);
-      say_notes(watch.look(images.view(), calibration.camera, frame.left));
-      const auto start = std::chrono::steady_clock::now();
+      images = ahead.next();
+      say_notes(watch.look(images.view(), camera, frame.left));
       frame.tracking = tracker.process(images.view(), source.times_s[i]);
-      latency = std::chrono::steady_clock::now() - start;
     } catch (const flies::InputError& error) {  // costs this pair, not the others
       if (source.pairs.size() == 1) throw;
       fault = error.what();
     }
     if (fault.empty()) {
       outputs.write(frame, images.view());
-      status.show(latency.count());
     } else {
       faults.push_back(fault);
       frame.tracking.time_s = source.times_s[i];
       outputs.write_error(frame, fault);
     }
+    progress.show(i + 1);
   }
   outputs.commit();
   say_notes(watch.counts());
@@ -288,7 +258,7 @@ void setup_track(CLI::App& app) {
       "a table is printed. docs/dynamic.md says how it works and how well. A pair that cannot be used gets a\n"
       "line in --json with its error, and the run ends with status 2 after the others.\n"
       "\nExamples:\n"
-      "  flies track 2011_09_26/2011_09_26_drive_0005_sync\n"
+      "  flies track data/kitti_raw/2011_09_26/2011_09_26_drive_0005_sync\n"
       "  flies track left right --calib calib.yaml --rate 15 --json - | tee tracks.jsonl\n"
       "  flies track recording.mcap --topics /cam/left/image_rect,/cam/right/image_rect\n"
       "  flies track drive --video drive.mp4                 of a folder of `flies synth --sequence`\n"

@@ -74,6 +74,7 @@ std::string track_json_line(const TrackedFrame& frame, const std::string& error)
                                   .pedestrians = tracking.detection.pedestrians,
                                   .scan = tracking.detection.scan,
                                   .stage_ms = tracking.detection.stage_ms,
+                                  .diagnosis = frame.diagnosis,
                                   .run = frame.run,
                                   .road = error.empty() ? std::optional(tracking.detection.road.plane) : std::nullopt,
                                   .road_found = tracking.detection.road.found,

@@ -27,6 +27,7 @@ struct TrackedFrame {
   flies::Tracking tracking;
   std::optional<LiveRecord> live = {};
   std::shared_ptr<const flies::RunRecord> run = {};
+  std::optional<flies::DiagnosisRecord> diagnosis = {};  ///< of the whole run
 };
 
 /// The line of `flies detect` with `time_s`, `ego`, `tracks` and, of a living source, `live` added; docs/formats.md

@@ -80,6 +80,8 @@ TEST(HogFeatures, AreThoseOfOpencv) {
     cv::HOGDescriptor hog({48, 96}, {16, 16}, {8, 8}, {8, 8}, 9);
     hog.gammaCorrection = gamma;
     hog.compute(image, theirs, {}, {}, {{kHogMargin_px, kHogMargin_px}});
+    ASSERT_EQ(ours.size(), 1980U);
+    ASSERT_EQ(theirs.size(), ours.size());
     for (std::size_t i = 0; i < ours.size(); ++i) ASSERT_NEAR(ours[i], theirs[i], kFeatureTolerance) << i;
   }
 }

@@ -18,6 +18,7 @@ using testing::HasSubstr;
 TEST(PeopleModel, NamedModelsAreConsistent) {
   EXPECT_NO_THROW(check_people_model(opencv_48x96(), "48x96"));
   EXPECT_NO_THROW(check_people_model(opencv_64x128(), "64x128"));
+  ASSERT_EQ(people_model_names().size(), 5U);
   for (const std::string_view name : people_model_names())
     EXPECT_NO_THROW(check_people_model(people_model(name), std::string(name)));
   EXPECT_TRUE(people_model("flies-48x96").kernel.has_value());

@@ -1,9 +1,12 @@
 #include "flies/concentrate/clustering.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "flies/concentrate/concentrate.hpp"
+#include "flies/core/error.hpp"
+#include "flies/core/options.hpp"
 
 namespace flies {
 namespace {
@@ -63,6 +66,9 @@ const std::vector<PixelPoint>& Clustering::cluster(std::span<const PixelPoint> p
 }
 
 std::vector<PixelPoint> cluster_points(const std::vector<PixelPoint>& points, double radius_px) {
+  if (!(std::isfinite(radius_px) && radius_px > 0.0))
+    throw InputError("cluster_points", "radius_px",
+                     "found " + detail::double_text(radius_px) + ", expected a number above 0");
   return Clustering().cluster(points, radius_px);
 }
 

@@ -62,9 +62,11 @@ std::vector<ShiftedPoint> shift_means(const std::vector<PixelPoint>& starts, con
                                       const ConcentrateOptions& options);
 
 /// Step 3. Groups points that are chained by distances of at most `radius_px`. @returns the centre of each group
+/// @throws InputError when the radius is not finite or not positive
 std::vector<PixelPoint> cluster_points(const std::vector<PixelPoint>& points, double radius_px);
 
 /// Step 4. Fitness density (1/n) sum f(p_i) exp(-|p_i - p|^2 / 2h^2) at each point.
+/// @throws InputError when the bandwidth is not finite or not positive
 std::vector<double> fitness_density(const std::vector<PixelPoint>& points, const std::vector<DroppedFly>& flies,
                                     double bandwidth_px);
 

@@ -8,10 +8,14 @@
 #include <vector>
 
 #include "flies/core/count_allocations.hpp"
+#include "flies/core/error.hpp"
 #include "flies/core/random.hpp"
 
 namespace flies {
 namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 StereoCamera camera() {
   return {.fx_px = 700,
@@ -149,10 +153,23 @@ TEST(ClusterPoints, ChainsPointsWithinTheRadius) {
   EXPECT_TRUE(cluster_points({}, 5.0).empty());
 }
 
+TEST(ClusterPoints, RefusesARadiusThatIsNotPositiveAndFinite) {
+  const std::vector<PixelPoint> points(2);
+  for (const double radius_px : {0.0, -1.0, HUGE_VAL, std::nan("")})
+    EXPECT_THAT([&] { cluster_points(points, radius_px); }, ThrowsMessage<InputError>(HasSubstr("radius_px: found")));
+}
+
 TEST(FitnessDensity, IsTheMeanOfTheWeightedKernels) {
   const std::vector<DroppedFly> flies{{{100, 50}, 2.0}, {{106, 50}, 1.0}, {{900, 50}, 0.0}};
   EXPECT_NEAR(fitness_density({{100, 50}}, flies, 6.0)[0], (2.0 + std::exp(-0.5)) / 3.0, 1e-12);
   EXPECT_EQ(fitness_density({{500, 50}}, flies, 6.0)[0], 0.0);
+}
+
+TEST(FitnessDensity, RefusesABandwidthThatIsNotPositiveAndFinite) {
+  const std::vector<PixelPoint> points(2);
+  for (const double bandwidth_px : {0.0, -1.0, HUGE_VAL, std::nan("")})
+    EXPECT_THAT([&] { fitness_density(points, {}, bandwidth_px); },
+                ThrowsMessage<InputError>(HasSubstr("bandwidth_px: found")));
 }
 
 TEST(Concentrate, FindsPositionAndSizeOfAPerson) {

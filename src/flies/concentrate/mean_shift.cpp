@@ -6,6 +6,8 @@
 #include "flies/concentrate/concentrate.hpp"
 #include "flies/concentrate/kernels/kernel_sums.hpp"
 #include "flies/concentrate/steps.hpp"
+#include "flies/core/error.hpp"
+#include "flies/core/options.hpp"
 
 namespace flies {
 namespace {
@@ -90,6 +92,9 @@ void find_density(std::span<const PixelPoint> points, const PixelGrid& flies, st
 
 std::vector<double> fitness_density(const std::vector<PixelPoint>& points, const std::vector<DroppedFly>& flies,
                                     double bandwidth_px) {
+  if (!(std::isfinite(bandwidth_px) && bandwidth_px > 0.0))
+    throw InputError("fitness_density", "bandwidth_px",
+                     "found " + detail::double_text(bandwidth_px) + ", expected a number above 0");
   std::vector<double> density;
   find_density(points, fill_grid(flies, bandwidth_px), flies.size(), bandwidth_px, density);
   return density;

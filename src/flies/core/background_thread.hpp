@@ -1,6 +1,7 @@
 #pragma once
 
 #ifdef __linux__
+#include <sched.h>
 #include <sys/resource.h>
 #include <unistd.h>
 #endif
@@ -11,9 +12,11 @@ namespace flies {
 /// later. Threads that it starts inherit that. Nothing changes where threads have no priority of their own.
 inline void yield_to_other_threads() {
 #ifdef __linux__
-  constexpr int kNice = 5;
+  constexpr int kNice = 10;
   // Of the calling thread alone, against POSIX: see setpriority(2). Being refused does no harm.
   static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice));
+  const sched_param none{};  // a batch job does not push others aside when it wakes up
+  static_cast<void>(sched_setscheduler(gettid(), SCHED_BATCH, &none));
 #endif
 }
 

@@ -23,6 +23,12 @@ constexpr double kLikelyBaseline_m = 0.03, kLikelyMostBaseline_m = 1.5;
 /// less than 3 degrees.
 constexpr double kLeastFocal = 0.1, kProbableFocal = 0.233, kProbableMostFocal = 5.7, kMostFocal = 20.0;
 
+/// A fisheye that shows half a sphere over the whole width has 0.32; picture circles may be far smaller than the
+/// sensor.
+constexpr double kLeastFisheyeFocal = 0.02;
+/// Twice a principal point below it is no size in pixels.
+constexpr double kLeastSize_px = 2.0;
+
 constexpr double kProbableAspect = 1.1, kMostAspect = 5.0;
 /// Distance of the principal point from the middle over the image size. Lenses are centred to a few hundredths.
 constexpr double kProbableOffset = 0.07;
@@ -82,36 +88,6 @@ void check_baseline(const StereoCamera& camera, const std::string& source, std::
                     likely_units(found, camera.fx_px)));
 }
 
-void check_focal_length(const StereoCamera& camera, const std::string& source, std::vector<std::string>& notes) {
-  // A file without a size still has a principal point near the middle.
-  const double width_px = camera.width_px > 0 ? camera.width_px : 2.0 * camera.cx_px;
-  if (width_px > 0.0) {
-    const double share = camera.fx_px / width_px, angle_deg = degrees(2.0 * std::atan(0.5 / share));
-    const auto found = fmt::format("{:.4g} px for images of {:.0f} px across, a field of view of {:.3g} degrees",
-                                   camera.fx_px, width_px, angle_deg);
-    if (share < kLeastFocal)
-      throw InputError(source, "focal length",
-                       fmt::format("found {}: is it in millimetres, or normalised by the image "
-                                   "size? expected pixels",
-                                   found));
-    if (share > kMostFocal)
-      throw InputError(source, "focal length", fmt::format("found {}: is it in micrometres? expected pixels", found));
-    if (share < kProbableFocal || share > kProbableMostFocal)
-      notes.push_back(fmt::format("the focal length is {}: check its unit and the size of the images", found));
-  }
-  const double aspect = camera.fx_px / camera.fy_px;
-  if (aspect > kMostAspect || aspect < 1.0 / kMostAspect)
-    throw InputError(source, "focal length",
-                     fmt::format("found {:.4g} px across and {:.4g} px down, expected much the "
-                                 "same: are both in pixels?",
-                                 camera.fx_px, camera.fy_px));
-  if (aspect > kProbableAspect || aspect < 1.0 / kProbableAspect)
-    notes.push_back(
-        fmt::format("the focal length across is {:.3g} times that down ({:.4g} and {:.4g} px), pixels are "
-                    "square in nearly all cameras: check whether the images were stretched",
-                    aspect, camera.fx_px, camera.fy_px));
-}
-
 double offset(double centre_px, int size_px) { return std::abs(centre_px / size_px - 0.5); }
 
 void check_principal_points(const StereoCamera& camera, const std::string& source, bool says_size,
@@ -127,6 +103,45 @@ void check_principal_points(const StereoCamera& camera, const std::string& sourc
 
 }  // namespace
 
+std::vector<std::string> check_focal_length(const StereoCamera& camera, const std::string& source,
+                                            const std::string& field, bool sees_to_the_side) {
+  std::vector<std::string> notes;
+  // A file without a size still has a principal point near the middle.
+  const double width_px = camera.width_px > 0 ? camera.width_px : 2.0 * camera.cx_px;
+  if (camera.width_px <= 0 && width_px > 0.0 && width_px < kLeastSize_px)
+    throw InputError(
+        source, field,
+        fmt::format("found {:.4g} px, and the principal point at column {:.4g}: are they normalised by the "
+                    "image size? expected pixels",
+                    camera.fx_px, camera.cx_px));
+  if (width_px > 0.0) {
+    const double share = camera.fx_px / width_px, angle_deg = degrees(2.0 * std::atan(0.5 / share));
+    const auto view = sees_to_the_side ? "" : fmt::format(", a field of view of {:.3g} degrees", angle_deg);
+    const auto found = fmt::format("{:.4g} px for images of {:.0f} px across{}", camera.fx_px, width_px, view);
+    if (share < (sees_to_the_side ? kLeastFisheyeFocal : kLeastFocal))
+      throw InputError(source, field,
+                       fmt::format("found {}: is it in millimetres, or normalised by the image "
+                                   "size? expected pixels",
+                                   found));
+    if (share > kMostFocal)
+      throw InputError(source, field, fmt::format("found {}: is it in micrometres? expected pixels", found));
+    if (!sees_to_the_side && (share < kProbableFocal || share > kProbableMostFocal))
+      notes.push_back(fmt::format("the focal length is {}: check its unit and the size of the images", found));
+  }
+  const double aspect = camera.fx_px / camera.fy_px;
+  if (aspect > kMostAspect || aspect < 1.0 / kMostAspect)
+    throw InputError(source, field,
+                     fmt::format("found {:.4g} px across and {:.4g} px down, expected much the "
+                                 "same: are both in pixels?",
+                                 camera.fx_px, camera.fy_px));
+  if (aspect > kProbableAspect || aspect < 1.0 / kProbableAspect)
+    notes.push_back(
+        fmt::format("the focal length across is {:.3g} times that down ({:.4g} and {:.4g} px), pixels are "
+                    "square in nearly all cameras: check whether the images were stretched",
+                    aspect, camera.fx_px, camera.fy_px));
+  return notes;
+}
+
 std::optional<std::string> check_principal_point(double cx_px, double cy_px, int width_px, int height_px,
                                                  const std::string& source, const std::string& field,
                                                  double probable_offset) {
@@ -134,7 +149,7 @@ std::optional<std::string> check_principal_point(double cx_px, double cy_px, int
   const auto found = fmt::format("({:.1f}, {:.1f}) px in images of {} x {} px", cx_px, cy_px, width_px, height_px);
   const bool fits_swapped = offset(cy_px, width_px) < kProbableOffset && offset(cx_px, height_px) < kProbableOffset;
   if (fits_swapped && farthest > kFarOffset)
-    throw InputError(source, field, fmt::format("found {}: cx and cy are swapped", found));
+    throw InputError(source, field, fmt::format("found {}: cx and cy, or width and height, are swapped", found));
   if (farthest <= probable_offset) return std::nullopt;
   return fmt::format(
       "the principal point {} is far from the middle: were the images cropped or resized after the calibration?",
@@ -144,7 +159,7 @@ std::optional<std::string> check_principal_point(double cx_px, double cy_px, int
 std::vector<std::string> check_plausible(const StereoCamera& camera, const std::string& source, bool says_size) {
   std::vector<std::string> notes;
   check_baseline(camera, source, notes);
-  check_focal_length(camera, source, notes);
+  for (auto& note : check_focal_length(camera, source, "focal length")) notes.push_back(std::move(note));
   check_principal_points(camera, source, says_size, notes);
   return notes;
 }
@@ -168,6 +183,11 @@ std::optional<std::array<int, 2>> size_of_unsized(const StereoCamera& camera, in
 }
 
 void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_px, const std::string& source) {
+  if (2.0 * camera.cx_px < kLeastSize_px && 2.0 * camera.cy_px < kLeastSize_px)
+    throw InputError(source, "principal point",
+                     fmt::format("found ({:.4g}, {:.4g}): are it and the focal length normalised by the image size? "
+                                 "expected pixels",
+                                 camera.cx_px, camera.cy_px));
   const double across = width_px / (2.0 * camera.cx_px), down = height_px / (2.0 * camera.cy_px);
   const bool is_smaller = across < 1.0 - kResized && down < 1.0 - kResized;
   const bool is_larger = across > 1.0 / (1.0 - kResized) && down > 1.0 / (1.0 - kResized);
@@ -178,6 +198,11 @@ void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_
                     "about {:.0f} x {:.0f} px, not of {} x {} px: were they resized? Give the size that "
                     "the calibration is for with --calib-size",
                     camera.cx_px, camera.cy_px, 2.0 * camera.cx_px, 2.0 * camera.cy_px, width_px, height_px));
+}
+
+bool has_exchanged_size(const StereoCamera& camera, int width_px, int height_px) {
+  return camera.width_px == height_px && camera.height_px == width_px && width_px != height_px && width_px > 0 &&
+         offset(camera.cx_px, width_px) <= kFarOffset && offset(camera.cy_px, height_px) <= kFarOffset;
 }
 
 std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px) {

@@ -16,11 +16,20 @@ namespace flies::detail {
 /// @throws InputError naming field, value and the likely unit
 std::vector<std::string> check_plausible(const StereoCamera& camera, const std::string& source, bool says_size = true);
 
+/// The focal length of one camera, rectified or not.
+/// @param camera its focal lengths, principal point and, where it is known, the width of its images
+/// @param field in what is thrown and told
+/// @param sees_to_the_side the lens bends rays so much that hardly any focal length is too short
+/// @returns sentences on what is improbable
+/// @throws InputError naming the likely unit
+std::vector<std::string> check_focal_length(const StereoCamera& camera, const std::string& source,
+                                            const std::string& field, bool sees_to_the_side = false);
+
 /// Where the principal point of one camera lies in its images, rectified or not.
 /// @param field in what is thrown and told
 /// @param probable_offset from the middle, over the size of the images
 /// @returns a sentence when it is improbable, else nothing
-/// @throws InputError when cx and cy are swapped
+/// @throws InputError when cx and cy, or width and height, are swapped
 std::optional<std::string> check_principal_point(double cx_px, double cy_px, int width_px, int height_px,
                                                  const std::string& source, const std::string& field,
                                                  double probable_offset = 0.11);
@@ -35,6 +44,11 @@ std::optional<std::array<int, 2>> size_of_unsized(const StereoCamera& camera, in
 /// A file without a size still has a principal point near the middle of its images.
 /// @throws InputError when that tells that the images were resized by one scale
 void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_px, const std::string& source);
+
+/// Whether width and height of a size are exchanged, as NumPy and MATLAB say rows first: the images at hand are of
+/// exactly the other way round, and the principal point lies in the middle of that.
+/// @param camera principal point and size
+bool has_exchanged_size(const StereoCamera& camera, int width_px, int height_px);
 
 /// The one scale between two sizes, each rounded to the nearest pixel or down; nothing when none fits.
 std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px);

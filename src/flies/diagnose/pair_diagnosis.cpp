@@ -30,6 +30,8 @@ constexpr int kMinFlat = 30;
 constexpr double kMuchHidden = 0.5;
 /// Corners scatter this much about a line over the columns where rows differ otherwise; 0.2 px in good pairs.
 constexpr double kScatterMatters_px = 0.7;
+/// Rows of good pairs of one rig differ by less than that from pair to pair; those of a rig that was knocked by more.
+constexpr double kRowsAgree_px = 1.5;
 /// See `PairDiagnosis::nearer_above`.
 constexpr double kNearerAbove = 1.4;
 
@@ -68,6 +70,8 @@ double PairDiagnosis::beyond_share() const {
   const int found = evidence.nearer + evidence.distant + evidence.beyond;
   return found == 0 ? 0.0 : static_cast<double>(evidence.beyond) / found;
 }
+
+bool PairDiagnosis::rows_agree() const { return rows_spread_px <= kRowsAgree_px; }
 
 bool PairDiagnosis::is_flat() const {
   const int found = evidence.nearer + evidence.distant + evidence.beyond;
@@ -122,6 +126,10 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
   run.sides = median_side_difference(sides);
   run.noise = median_noise(std::move(noise));
   run.rows = median_row_error(rows);
+  if (!rows.empty()) {
+    const auto [least, most] = std::ranges::minmax(rows, {}, &RowError::offset_px);
+    run.rows_spread_px = most.offset_px - least.offset_px;
+  }
   run.road_found = roads > 0;
   return run;
 }
@@ -156,7 +164,12 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
         "things are missed; more light, a longer exposure or less gain help",
         d.noise.noise_gray, d.noise.contrast_gray));
   const double row_error_px = d.rows ? d.rows->typical_px() : 0.0;
-  if (row_error_px >= kRowErrorMatters_px)
+  if (!d.rows_agree())
+    found.push_back(fmt::format(
+        "rows of left and right do not lie apart by the same in all pairs, but by {:.1f} px more in some than "
+        "in others, so that no correction serves all: was a camera knocked, or is one loose?",
+        d.rows_spread_px));
+  else if (row_error_px >= kRowErrorMatters_px)
     found.push_back(fmt::format(
         "rows of the right image lie {:+.1f} px lower than those of the left one in the middle, {:+.1f} and {:+.1f} px "
         "at "

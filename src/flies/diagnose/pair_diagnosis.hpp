@@ -21,6 +21,7 @@ struct PairDiagnosis {
   double bright_share = 0.0;     ///< that are white (247 and more)
   PairEvidence evidence;         ///< patches and where they are found along their rows
   std::optional<RowError> rows;  ///< nothing: too few corners to tell
+  double rows_spread_px = 0.0;   ///< of a run: between the pairs whose rows lie farthest apart, in the middle column
   /// How much nearer places in the upper third of the left image are than those in the lower one, a ratio of
   /// disparities: below 1.2 in 53 pairs of streets and other places, and the inverse when images stand on their heads.
   std::optional<double> nearer_above;
@@ -32,6 +33,8 @@ struct PairDiagnosis {
   double matched_share() const;
   /// Of the places found, those beyond infinity, which cannot be.
   double beyond_share() const;
+  /// Whether the rows of all pairs of a run differ by much the same, so that one correction serves all.
+  bool rows_agree() const;
   /// Whether nearly all that is found lies at infinity, as where one picture was taken for both.
   bool is_flat() const;
   /// Whether so much of the images is seen and found that more can be concluded from what is found.

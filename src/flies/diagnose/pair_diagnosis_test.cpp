@@ -131,6 +131,22 @@ TEST(DiagnoseRun, AddsUpWhatItsPairsSay) {
   EXPECT_NEAR(run.rows->offset_px, 1.0, 0.1);
 }
 
+TEST(DiagnoseRun, ARigThatWasKnockedOnTheWayHasNoOneCorrection) {
+  const auto run_of = [](const std::vector<double>& offsets_px) {
+    std::vector<PairDiagnosis> pairs(offsets_px.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      pairs[i] = diagnose_pair(textured_pair(8.0, 0.0, 0.0).view(), camera());
+      pairs[i].rows = RowError{.offset_px = offsets_px[i], .corners = 200, .middle_u_px = 320};
+    }
+    return diagnose_run(pairs);
+  };
+  const auto knocked = run_of({0.1, -0.1, 0.0, 4.0, 4.2}), bent = run_of({3.8, 4.0, 4.1, 4.0, 4.2});
+  EXPECT_FALSE(knocked.rows_agree());
+  EXPECT_THAT(complaints(knocked), Contains(HasSubstr("by 4.3 px more in some than in others")));
+  EXPECT_TRUE(bent.rows_agree());
+  EXPECT_THAT(complaints(bent), Contains(HasSubstr("lie +4.0 px lower")));
+}
+
 TEST(Complaints, ImagesThatStandOnTheirHeadsHaveNearThingsAbove) {
   PairDiagnosis diagnosis;
   diagnosis.textured_share = 0.8;

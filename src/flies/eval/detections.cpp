@@ -175,6 +175,9 @@ ReportedFrame frame_of(const json& record, const std::string& source, int line) 
   return frame;
 }
 
+/// Of bytes: it takes some hundred times its length to parse. A pair has some 30 kB.
+constexpr std::size_t kLongestLine = 16U << 20;
+
 /// What tells the pair of line i apart: the name of its left image, or its number.
 std::vector<std::string> keys_of(const std::vector<ReportedFrame>& reported, bool by_name, bool by_frame) {
   std::vector<std::string> keys;
@@ -188,8 +191,12 @@ std::vector<std::string> keys_of(const std::vector<ReportedFrame>& reported, boo
 
 std::vector<ReportedFrame> parse_detections(std::string_view text, const std::string& source) {
   std::vector<ReportedFrame> frames;
-  for (const auto& line : detail::lines_of(text))
+  for (const auto& line : detail::lines_of(text)) {
+    if (line.content.size() > kLongestLine)
+      throw InputError(source, fmt::format("line {}", line.number),
+                       fmt::format("has more than {} MB, expected the result of one pair", kLongestLine >> 20U));
     frames.push_back(frame_of(json::parse(line.content, nullptr, false), source, line.number));
+  }
   return frames;
 }
 

@@ -36,6 +36,11 @@ std::string match_complaint(const std::string& text) {
   return complaint([&] { match_detections(parse_detections(text, "d.jsonl"), kTwoPairs, "d.jsonl"); });
 }
 
+TEST(ParseDetections, RefusesLinesThatAreNoResultOfAPair) {
+  const std::string line = "{\"obstacles\": []}\n" + std::string((16U << 20) + 1, '[') + "\n";
+  EXPECT_EQ(parse_complaint(line), "d.jsonl: line 2: has more than 16 MB, expected the result of one pair");
+}
+
 TEST(ParseDetections, ReadsWhatFliesDetectWrites) {
   FrameRecord record;
   record.frame = 3;

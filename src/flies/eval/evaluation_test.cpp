@@ -158,7 +158,9 @@ TEST(Evaluate, MeasuresScansWhereThereIsTruth) {
   EXPECT_FALSE(evaluation.methods[2].scan.has_value());
   EXPECT_FALSE(evaluation.methods[3].scan.has_value());
   // Obstacles of confidence 0.55 are there up to the setting 0.5 and gone from 0.6 on.
-  for (const auto& [setting, values] : evaluation.methods[0].scan.value().curve)
+  const auto& curve = evaluation.methods[0].scan.value().curve;
+  ASSERT_GE(curve.size(), 2U);
+  for (const auto& [setting, values] : curve)
     EXPECT_NEAR(values.at({Group::all, "", "blind"}), setting < 0.55 ? 0.0 : 1.0, kExact) << setting;
   EXPECT_EQ(evaluation.methods[0].scan.value().setting, "min_confidence");
 }

@@ -174,11 +174,16 @@ std::vector<TrackletPose> parse_tracklets(std::string_view xml, const std::strin
   return poses;
 }
 
+/// All are compared with all; KITTI has some thirty at most.
+constexpr std::size_t kMostLabels = 2000;
+
 std::vector<KittiLabel> parse_labels(std::string_view text, const std::string& source) {
   std::vector<KittiLabel> labels;
   for (const auto& [number, content] : detail::lines_of(text)) {
     const auto words = split_words(content);
     const std::string field = fmt::format("line {}", number);
+    if (labels.size() == kMostLabels)
+      throw InputError(source, field, fmt::format("there are more than {} labels of one picture", kMostLabels));
     if (words.size() != 15 && words.size() != 16) {
       throw InputError(source, field, fmt::format("found {} fields, expected 15", words.size()));
     }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "flies/core/convert.hpp"
+#include "flies/core/matrix3.hpp"
 #include "flies/core/quantile.hpp"
 
 namespace flies {
@@ -32,14 +33,9 @@ struct Plane {
   double residual(const Point3& p) const { return p.z_m - height - slope * p.x_m - bank * p.y_m; }
 };
 
-double determinant(const std::array<std::array<double, 3>, 3>& m) {
-  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-}
-
 /// Least squares over the points within the gate of the present plane; the plane itself when they do not fix one.
 Plane refine(const Plane& plane, std::span<const Point3> points, double gate_m) {
-  std::array<std::array<double, 3>, 3> normal{};
+  Matrix3 normal{};
   std::array<double, 3> right{};
   for (const auto& p : points) {
     if (!(p.x_m <= kPlaneReach_m) || !std::isfinite(p.y_m) || !(std::abs(plane.residual(p)) <= gate_m)) continue;

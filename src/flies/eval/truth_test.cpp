@@ -108,6 +108,13 @@ TEST(ParseLabels, NamesTheLine) {
               testing::HasSubstr("7.txt: line 2: found 4 fields, expected 15"));
 }
 
+TEST(ParseLabels, RefusesMoreThanAPictureCanHave) {
+  std::string labels;
+  for (int i = 0; i < 2001; ++i) labels += "Car 0 3 1 0 0 9 9 1 1 1 1 1 9 0\n";
+  EXPECT_THAT(complaint([&] { parse_labels(labels, "7.txt"); }),
+              testing::HasSubstr("7.txt: line 2001: there are more than 2000 labels of one picture"));
+}
+
 TEST(ParseFootPoints, PlacesPeopleInTheVehicleFrame) {
   StereoCamera camera = level_camera();
   camera.mount.height_m = 1.0;
@@ -268,6 +275,7 @@ TEST(MeasureAboveRoad, IsNotLiftedByAWall) {
     for (int k = 0; k < 25; ++k) points.push_back({10.0, -5.0 + 0.05 * i, 0.1 * k});
   }
   const auto measured = measure_above_road(points);
+  ASSERT_EQ(measured.size(), points.size());
   for (std::size_t i = 0; i < measured.size(); ++i) {
     EXPECT_NEAR(measured[i].above_road_m, points[i].z_m, kRoadNoise_m);
   }

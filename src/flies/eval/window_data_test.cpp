@@ -98,7 +98,9 @@ TEST_F(WindowDataTest, NamesWhatIsWrong) {
 }
 
 TEST(DrawWindows, StayInsideThePictureWithTheDetectorsAspect) {
-  for (const auto& window : draw_windows(300, 200, 1000, {}, 0)) {
+  const auto windows = draw_windows(300, 200, 1000, {}, 0);
+  ASSERT_EQ(windows.size(), 1000u);
+  for (const auto& window : windows) {
     EXPECT_GE(window.u_px, 0.0);
     EXPECT_GE(window.v_px, 0.0);
     EXPECT_LE(window.u_px + window.width_px, 300.0);
@@ -112,6 +114,7 @@ TEST(DrawWindows, HaveLogUniformHeights) {
   // Half of the heights from 80 to 320 px lie below their geometric mean, 160; 3 standard errors of 4000 draws.
   constexpr double kTolerance = 0.024;
   const auto windows = draw_windows(1000, 320, 4000, {}, 0);
+  ASSERT_EQ(windows.size(), 4000u);
   const auto low = std::count_if(windows.begin(), windows.end(), [](const auto& w) { return w.height_px < 160.0; });
   EXPECT_NEAR(static_cast<double>(low) / 4000.0, 0.5, kTolerance);
 }

@@ -90,7 +90,9 @@ TEST_P(DetectDensely, ScansTheBoard) {
     EXPECT_LE(std::abs(scan.ranges_m[i] * std::sin(scan.angle_rad(i))), kBoardHalf_m + 0.2);
   }
   EXPECT_GE(obstacles, 15);  // the board is 9 degrees wide, 18 sectors
-  for (const auto state : dense_scan(dense.ranges, 10000).states) EXPECT_EQ(state, SectorState::free);
+  const Scan free = dense_scan(dense.ranges, 10000);
+  ASSERT_EQ(free.size(), scan.size());
+  for (const auto state : free.states) EXPECT_EQ(state, SectorState::free);
 }
 
 TEST_P(DetectDensely, MatchesTheFirstColumnsButNotWhatTheRightImageLacks) {
@@ -133,6 +135,7 @@ TEST_P(DetectDensely, HasALeastScoreOfItsOwn) {
 TEST_P(DetectDensely, GivesTheSameTwice) {
   const auto first = detect_densely(pair.view(), camera(), GetParam(), options);
   const auto second = detect_densely(pair.view(), camera(), GetParam(), options);
+  ASSERT_FALSE(first.obstacles.empty());
   ASSERT_EQ(first.obstacles.size(), second.obstacles.size());
   for (std::size_t i = 0; i < first.obstacles.size(); ++i) EXPECT_EQ(first.obstacles[i].x_m, second.obstacles[i].x_m);
 }

@@ -164,6 +164,8 @@ TEST(Evolver, AllocatesNothingOnceItHasSeenAPair) {
 TEST(Evolver, GivesTheFliesInTheVehicleFrameAndInTheImage) {
   const auto result = run(Wall(), small_options());
   const Projection projection(camera());
+  ASSERT_EQ(result.flies.size(), 600U);
+  ASSERT_EQ(result.in_image.size(), 600U);
   for (std::size_t i = 0; i < result.flies.size(); ++i) {
     const auto image = projection.project(result.flies.point(i));
     // Coordinates are kept in single precision.
@@ -205,6 +207,7 @@ TEST(Evolve, TakesAnImageOfOnePixel) {
   auto tiny = camera();
   tiny.width_px = tiny.height_px = 1;
   const auto result = evolve({{&pixel, 1, 1, 1}, {&pixel, 1, 1, 1}}, Projection(tiny), {}, {}, {}, small_options(), {});
+  ASSERT_EQ(result.flies.fitness.size(), 600U);
   for (const float fitness : result.flies.fitness) EXPECT_EQ(fitness, 0.0F);
 }
 
@@ -231,6 +234,7 @@ TEST(Evolve, KeepsFliesFiniteForCamerasOfAnyScale) {
           options.initial = initial;
           options.generations = 3;
           const auto flies = evolve(wall.pair(), Projection(absurd), {}, {}, {}, options, {}).flies;
+          ASSERT_EQ(flies.size(), 600U);
           for (std::size_t i = 0; i < flies.size(); ++i) {
             const auto [point, fitness] = flies.fly(i);
             ASSERT_TRUE(std::isfinite(point.x_m) && std::isfinite(point.y_m) && std::isfinite(point.z_m)) << focal_px;

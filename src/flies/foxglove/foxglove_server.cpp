@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 #include <exception>
 #include <map>
 #include <mutex>
@@ -23,6 +24,7 @@ using Server = websocketpp::server<websocketpp::config::asio>;
 using Connection = websocketpp::connection_hdl;
 
 constexpr const char* kProtocol = "foxglove.websocket.v1";
+constexpr std::size_t kMostKept = 50;           // messages of a channel
 constexpr std::size_t kMostWaiting = 8U << 20;  // bytes: a client that far behind misses messages
 constexpr std::uint8_t kMessageData = 1;
 
@@ -43,6 +45,21 @@ bool is_allowed_origin(const std::string& origin) {
 
 }  // namespace
 
+/// A message of the protocol, without the subscription that it answers.
+struct TimedMessage {
+  std::uint64_t time_ns = 0;
+  std::string text;
+
+  std::string bytes_for(std::uint32_t subscription) const {
+    std::string bytes;
+    bytes.reserve(1 + 4 + 8 + text.size());
+    put_number(bytes, kMessageData, 1);
+    put_number(bytes, subscription, 4);
+    put_number(bytes, time_ns, 8);
+    return bytes += text;
+  }
+};
+
 struct FoxgloveServer::State {
   std::vector<FoxgloveChannel> channels;
   Server server;
@@ -52,6 +69,7 @@ struct FoxgloveServer::State {
   mutable std::mutex mutex;  ///< of what follows
   /// Subscriptions of each client: number of its own, and channel.
   std::map<Connection, std::map<std::uint32_t, std::size_t>, std::owner_less<Connection>> clients;
+  std::map<std::size_t, std::deque<TimedMessage>> kept;  ///< of the channels that keep some, the newest last
 
   std::string server_info() const {
     return Json{{"op", "serverInfo"},
@@ -95,13 +113,23 @@ struct FoxgloveServer::State {
   void receive(const Connection& client, const std::string& text) {
     const Json order = Json::parse(text, nullptr, false);
     if (!order.is_object() || !order.contains("op")) return;
+    std::vector<std::string> earlier;
+    obey(client, order, earlier);
+    for (const auto& bytes : earlier) send_to(client, bytes);
+  }
+
+  /// @param earlier gets the messages that were kept for new subscribers
+  void obey(const Connection& client, const Json& order, std::vector<std::string>& earlier) {
     const std::lock_guard lock(mutex);
     auto& subscriptions = clients[client];
     if (order["op"] == "subscribe") {
       for (const auto& wanted : order.value("subscriptions", Json::array())) {
         const auto channel = wanted.value("channelId", std::uint64_t{0});
-        if (channel >= 1 && channel <= channels.size())
-          subscriptions[wanted.value("id", std::uint32_t{0})] = static_cast<std::size_t>(channel - 1);
+        if (channel < 1 || channel > channels.size()) continue;
+        const auto id = wanted.value("id", std::uint32_t{0});
+        const auto index = static_cast<std::size_t>(channel - 1);
+        subscriptions[id] = index;
+        for (const auto& message : kept[index]) earlier.push_back(message.bytes_for(id));
       }
     } else if (order["op"] == "unsubscribe") {
       for (const auto& id : order.value("subscriptionIds", Json::array()))
@@ -206,22 +234,20 @@ bool FoxgloveServer::is_wanted(std::size_t channel) const {
 }
 
 void FoxgloveServer::send(std::size_t channel, std::uint64_t time_ns, const std::string& message) {
+  const TimedMessage timed{time_ns, message};
   std::vector<std::pair<Connection, std::uint32_t>> receivers;
   {
     const std::lock_guard lock(state_->mutex);
+    if (state_->channels[channel].is_kept) {
+      auto& kept = state_->kept[channel];
+      kept.push_back(timed);
+      if (kept.size() > kMostKept) kept.pop_front();
+    }
     for (const auto& [client, subscriptions] : state_->clients)
       for (const auto& [id, wanted] : subscriptions)
         if (wanted == channel) receivers.emplace_back(client, id);
   }
-  for (const auto& [client, id] : receivers) {
-    std::string bytes;
-    bytes.reserve(1 + 4 + 8 + message.size());
-    put_number(bytes, kMessageData, 1);
-    put_number(bytes, id, 4);
-    put_number(bytes, time_ns, 8);
-    bytes += message;
-    state_->send_to(client, bytes);
-  }
+  for (const auto& [client, id] : receivers) state_->send_to(client, timed.bytes_for(id));
 }
 
 }  // namespace flies

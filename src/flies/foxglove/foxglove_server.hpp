@@ -12,6 +12,7 @@ struct FoxgloveChannel {
   std::string topic;
   std::string schema_name;  ///< "foxglove.LaserScan"
   std::string schema;       ///< JSON Schema
+  bool is_kept = false;     ///< who subscribes gets the last 50 messages at once
 };
 
 /// A server of Foxglove's WebSocket protocol (subprotocol foxglove.websocket.v1), with a thread of its own. Only who

@@ -33,6 +33,17 @@ const detail::CalibrationFormat& recognise(const NumberTable& table) {
   throw InputError(table.source, "format", fmt::format("not recognised, expected one of: {}", known));
 }
 
+constexpr double kProbableHeight_m = 20.0;
+
+/// What a height of that many metres may have been meant as.
+std::string likely_unit(double height) {
+  constexpr double kLow_m = 0.2, kHigh_m = 5.0;
+  for (const auto& [unit, metres] : {std::pair{"centimetres", 1e-2}, std::pair{"millimetres", 1e-3}})
+    if (const double height_m = height * metres; height_m >= kLow_m && height_m <= kHigh_m)
+      return fmt::format("is it in {} ({:.3g} m)?", unit, height_m);
+  return "check its unit";
+}
+
 void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
   auto& mount = calibration.camera.mount;
   mount.height_m = request.camera_height_m.value_or(mount.height_m);
@@ -48,19 +59,37 @@ void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
   };
   if (!calibration.has_height) assume("height", fmt::format("{} m", mount.height_m), "--camera-height");
   if (!calibration.has_pitch) assume("pitch", fmt::format("{} degrees", degrees(mount.pitch_rad)), "--camera-pitch");
+  if (mount.height_m > kProbableHeight_m)
+    calibration.notes.push_back(
+        fmt::format("a camera height of {:.4g} m is improbable for a camera that looks along "
+                    "the road: {}",
+                    mount.height_m, likely_unit(mount.height_m)));
   if (!missing.empty())
     calibration.notes.push_back(fmt::format("the file has no camera {}, assumed: {} ({})", fmt::join(missing, " and "),
                                             fmt::join(assumed, " and "), fmt::join(flags, ", ")));
 }
 
-void check_baseline(const Calibration& calibration, const std::string& source) {
+/// @throws InputError for a baseline that no option mends
+void check_baseline(const Calibration& calibration, const detail::CalibrationFormat& format,
+                    const CalibrationRequest& request, const std::string& source) {
   const double baseline_m = calibration.camera.baseline_m;
   const std::string pair = calibration.left_name + " and " + calibration.right_name;
-  if (baseline_m < 0.0)
+  if (baseline_m < 0.0) {
+    std::string causes = fmt::format("left and right are swapped ({})", pair);
+    if (&format == &detail::kKalibr || &format == &detail::kBasalt) {
+      const auto [left, right] = request.cameras.value_or(std::array{0, 1});
+      causes += fmt::format(" (--cameras {},{} exchanges them)", right, left);
+    }
+    if (calibration.rectifier)
+      causes +=
+          ", or rotation and translation (R, T) are the pose of the right camera instead of what takes points of the "
+          "left one to it";
+    throw InputError(source, "baseline", fmt::format("found {:.4g} m: {}", baseline_m, causes));
+  }
+  if (baseline_m == 0.0 && (calibration.rectifier || !request.baseline_m))
     throw InputError(source, "baseline",
-                     fmt::format("found {:.4g} m: left and right are swapped ({})", baseline_m, pair));
-  if (baseline_m == 0.0)
-    throw InputError(source, "baseline", fmt::format("found 0 m: both cameras stand in one place ({})", pair));
+                     fmt::format("found 0 m: both cameras stand in one place ({}){}", pair,
+                                 calibration.rectifier ? "" : "; where the file leaves it out, say it: --baseline M"));
 }
 
 /// Images that are as wide as the calibration's and lower were cut off, by rows: no range depends on which. As long as
@@ -81,6 +110,14 @@ void take_as_cut_off(const CalibrationRequest& request, Calibration& calibration
       request.width_px, height_px, request.height_px, rows, degrees(std::atan(rows / calibration.camera.fy_px))));
   calibration.camera.width_px = request.width_px;
   calibration.camera.height_px = request.height_px;
+}
+
+/// Before anything is held against the size.
+void exchange_size(const CalibrationRequest& request, Calibration& calibration) {
+  auto& camera = calibration.camera;
+  if (calibration.rectifier || !detail::has_exchanged_size(camera, request.width_px, request.height_px)) return;
+  std::swap(camera.width_px, camera.height_px);
+  calibration.notes.push_back(detail::note_on_exchanged_size(camera.width_px, camera.height_px));
 }
 
 /// Brings the camera to the size of the images: given where the file has none, scaled where one scale fits.
@@ -113,10 +150,8 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
   if (deduced) {
     camera.width_px = (*deduced)[0];
     camera.height_px = (*deduced)[1];
-    calibration.notes.push_back(fmt::format(
-        "the file has no image size; its principal point ({:.1f}, {:.1f}) px is that of images of {} x {} px "
-        "(--calib-size says otherwise)",
-        camera.cx_px, camera.cy_px, camera.width_px, camera.height_px));
+    calibration.notes.push_back(
+        detail::note_on_deduced_size(camera.cx_px, camera.cy_px, camera.width_px, camera.height_px));
   } else if (camera.width_px == 0 && request.images_are_resized) {
     throw InputError(source, "image size", "is not in the file: say what the images were resized from (--calib-size)");
   } else if (camera.width_px == 0) {
@@ -153,9 +188,14 @@ std::optional<int> kitti_camera_of(const std::string& path) {
 
 }  // namespace
 
+double detail::missing_baseline(const CalibrationRequest& request, const std::string& source, const std::string& key) {
+  if (request.baseline_m) return 0.0;
+  throw InputError(source, key, "is missing: say how far the cameras stand apart (--baseline M)");
+}
+
 void detail::override_baseline(double baseline_m, const std::string& source, Calibration& calibration) {
   const double found_m = calibration.camera.baseline_m;
-  if (!(found_m > 0.0)) return;
+  if (!(found_m >= 0.0) || (found_m == 0.0 && calibration.rectifier)) return;
   if (!(baseline_m > 0.0) || !std::isfinite(baseline_m))
     throw InputError(source, "baseline", fmt::format("{} m was asked for, expected more than 0", baseline_m));
   calibration.camera.baseline_m = baseline_m;
@@ -166,7 +206,9 @@ void detail::override_baseline(double baseline_m, const std::string& source, Cal
     calibration.camera = calibration.rectifier->camera();
   }
   calibration.notes.push_back(
-      fmt::format("the baseline is {:.4g} m as was said, not {:.4g} as in the file", baseline_m, found_m));
+      found_m > 0.0
+          ? fmt::format("the baseline is {:.4g} m as was said, not {:.4g} as in the file", baseline_m, found_m)
+          : fmt::format("the baseline is {:.4g} m as was said, not in the file", baseline_m));
 }
 
 std::optional<detail::ImageScale> detail::scale_to_images(int width_px, int height_px,
@@ -183,8 +225,29 @@ std::string detail::note_on_scale(int width_px, int height_px, const ImageScale&
   const std::string by = scale.across == scale.down
                              ? fmt::format("{:.4g}", scale.across)
                              : fmt::format("{:.4g} across and {:.4g} down", scale.across, scale.down);
-  return fmt::format("the calibration is for {} x {} px, scaled by {} to the images of {} x {} px", width_px, height_px,
-                     by, request.width_px, request.height_px);
+  auto note = fmt::format("the calibration is for {} x {} px, scaled by {} to the images of {} x {} px", width_px,
+                          height_px, by, request.width_px, request.height_px);
+  if (!request.images_are_resized && scale.across < 1.0)
+    note += fmt::format(
+        "; if they were cut out of larger ones instead, ranges are {:.3g} times those printed: subtract the columns "
+        "and "
+        "rows cut off at the left and at the top from cx and cy, and give the size of the images",
+        1.0 / scale.across);
+  return note;
+}
+
+std::string detail::note_on_deduced_size(double cx_px, double cy_px, int width_px, int height_px) {
+  return fmt::format(
+      "the file has no image size; its principal point ({:.1f}, {:.1f}) px is that of images of {} x {} px "
+      "(--calib-size says otherwise)",
+      cx_px, cy_px, width_px, height_px);
+}
+
+std::string detail::note_on_exchanged_size(int width_px, int height_px) {
+  return fmt::format(
+      "the file's width and height are exchanged, as NumPy and MATLAB write rows first: taken as {} x {} px, as the "
+      "images and the principal point are",
+      width_px, height_px);
 }
 
 Calibration load_calibration(const std::string& path, const CalibrationRequest& request) {
@@ -202,10 +265,11 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
   if (request.images_are_raw && !calibration.rectifier)
     throw InputError(path, "raw images",
                      fmt::format("are nothing that this file describes: {} is of rectified ones", format.name));
-  check_baseline(calibration, path);
+  check_baseline(calibration, format, request, path);
   if (request.baseline_m) detail::override_baseline(*request.baseline_m, path, calibration);
   apply_mount(request, calibration);
   auto& camera = calibration.camera;
+  exchange_size(request, calibration);
   check_camera(camera, path);
   const bool says_size = camera.width_px > 0;
   fit_size(request, path, calibration);

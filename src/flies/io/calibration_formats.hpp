@@ -33,8 +33,13 @@ struct ProjectionKey {
 /// @throws InputError when they are not the two halves of a rectified pair
 Calibration calibration_from_projections(const ProjectionKey& left, const ProjectionKey& right);
 
-/// Takes the baseline that the user says, in the direction that was read, with a note. One that was read as 0 or below
-/// is left to who refuses it.
+/// 0, for `override_baseline`, in a file without a baseline.
+/// @param key where it would stand
+/// @throws InputError naming --baseline unless the user says it
+double missing_baseline(const CalibrationRequest& request, const std::string& source, const std::string& key);
+
+/// Takes the baseline that the user says, in the direction that was read, with a note. 0 of rectified cameras is one
+/// that the file leaves out; one that was read as below 0, or as 0 of raw cameras, is left to who refuses it.
 /// @throws InputError when it is not above 0
 void override_baseline(double baseline_m, const std::string& source, Calibration& calibration);
 
@@ -43,5 +48,12 @@ std::optional<ImageScale> scale_to_images(int width_px, int height_px, const Cal
 
 /// The sentence on it.
 std::string note_on_scale(int width_px, int height_px, const ImageScale& scale, const CalibrationRequest& request);
+
+/// The sentence on a size that the principal point told where the file has none.
+std::string note_on_deduced_size(double cx_px, double cy_px, int width_px, int height_px);
+
+/// The sentence on a size whose width and height were exchanged.
+/// @param width_px, height_px as they are taken
+std::string note_on_exchanged_size(int width_px, int height_px);
 
 }  // namespace flies::detail

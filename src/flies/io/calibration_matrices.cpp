@@ -114,7 +114,7 @@ Calibration read_unrectified_kitti(const NumberTable& table, const CalibrationRe
   return calibration_from_raw(std::move(pair), request, table.source);
 }
 
-Calibration read_middlebury(const NumberTable& table, const CalibrationRequest&) {
+Calibration read_middlebury(const NumberTable& table, const CalibrationRequest& request) {
   const auto left = read_intrinsics(table.require("cam0", 9), 3, table.source, "cam0");
   const auto right = read_intrinsics(table.require("cam1", 9), 3, table.source, "cam1");
   check_same_rows(left, right, table.source, "cam0, cam1");
@@ -132,9 +132,12 @@ Calibration read_middlebury(const NumberTable& table, const CalibrationRequest&)
           fmt::format("doffs differs by {:.2f} px from the principal points of cam0 and cam1; doffs is used",
                       camera.cx_right_px - right.cx_px));
   }
-  camera.baseline_m = table.require_number("baseline") * kMetresPerMillimetre;
-  camera.width_px = table.require_size("width");
-  camera.height_px = table.require_size("height");
+  camera.baseline_m = table.has("baseline") ? table.require_number("baseline") * kMetresPerMillimetre
+                                            : missing_baseline(request, table.source, "baseline");
+  if (table.has("width") || table.has("height")) {
+    camera.width_px = table.require_size("width");
+    camera.height_px = table.require_size("height");
+  }
   calibration.left_name = "cam0";
   calibration.right_name = "cam1";
   return calibration;

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "flies/core/error.hpp"
 #include "flies/io/formats/opencv_names.hpp"
@@ -13,7 +15,12 @@ namespace flies::detail {
 namespace {
 
 ImageSize size_of(const NumberTable& table, const OpenCvNames& names) {
-  if (!names.size.empty()) return size_of_list(table, names.size);
+  constexpr std::size_t kList = 2;  // a longer one tells its order itself
+  if (!names.size.empty()) {
+    const auto size = size_of_list(table, names.size);
+    const bool is_exchanged = names.is_rows_first && table.require(names.size).size() == kList;
+    return is_exchanged ? ImageSize{size.height_px, size.width_px} : size;
+  }
   if (names.sides[0].empty()) return {};
   return {table.require_size(names.sides[0]), table.require_size(names.sides[1])};
 }
@@ -28,14 +35,6 @@ ImageSize size_of_crop(const NumberTable& table) {
     return size.require_size("roi");
   };
   return {pixels(roi[0], roi[1]), pixels(roi[2], roi[3])};
-}
-
-/// The model of the lens that the file names, if any.
-Lens named_lens(const NumberTable& table) {
-  for (const char* key : {"distortion_model", "camera_model", "model", "lens_model"})
-    if (const std::string word = table.word(key); !word.empty() && word != "pinhole")  // which says nothing of the lens
-      return lens_of(word, key, table.source);
-  return Lens::brown;
 }
 
 /// A camera matrix, or fx, fy, cx, cy.
@@ -58,8 +57,19 @@ void check_no_distortion(const NumberTable& table) {
   }
 }
 
+/// MATLAB's world units are millimetres unless somebody chose others; no two cameras stand 10 m apart, or 10 mm.
+double metres_per_unit(const OpenCvNames& names, const std::vector<double>& t, std::vector<std::string>& notes) {
+  if (!names.is_of_matlab) return 1.0;
+  constexpr double kLeastMillimetres = 10.0;
+  const bool is_millimetres = std::hypot(t[0], t[1], t[2]) >= kLeastMillimetres;
+  notes.push_back(fmt::format("{} is taken as {} (--baseline M says otherwise)", names.translation,
+                              is_millimetres ? "millimetres, as MATLAB's world units are" : "metres"));
+  return is_millimetres ? 1e-3 : 1.0;
+}
+
 Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const CalibrationRequest& request) {
-  const auto size = known_size(size_of(table, names), request, table.source);
+  const auto size = size_of(table, names);
+  const Lens lens = names.are_fisheyes ? Lens::equidistant : !names.mirrors[0].empty() ? Lens::mei : named_lens(table);
   RawPair pair{{}, names.matrices[0], names.matrices[1], names.pose.empty() ? names.rotation : names.pose};
   // OpenCV's own names stand in for those that are not there.
   const bool is_undistorted = !table.has(names.distortions[0]) && !table.has(names.distortions[1]);
@@ -67,8 +77,8 @@ Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const C
     check_no_distortion(table);
     pair.notes.push_back("the file has no coefficients of distortion: the lenses are taken as free of it");
   }
+  if (!is_undistorted) pair.distortion_keys = names.distortions;
   const auto camera_of = [&](std::size_t side) {
-    const Lens lens = names.are_fisheyes ? Lens::equidistant : named_lens(table);
     RawCamera camera{intrinsics_of(table, names.matrices[side]), {}, lens};
     if (!is_undistorted) camera.distortion = table.require(names.distortions[side]);
     if (names.mirrors[side].empty()) return camera;
@@ -83,11 +93,36 @@ Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const C
   if (names.pose.empty()) {
     const auto rotation = rotation_of(table, names.rotation, pair.notes);
     const auto& t = table.require(names.translation, 3);
-    set_pose(pair.stereo, {rotation, {t[0], t[1], t[2]}});
+    set_pose(pair.stereo, scaled({rotation, {t[0], t[1], t[2]}}, metres_per_unit(names, t, pair.notes)));
   } else {
     set_pose(pair.stereo, pose_of(table, names.pose, pair.notes));
   }
   return calibration_from_raw(std::move(pair), request, table.source);
+}
+
+/// Q of rectified images, as stereoRectify gives it: 1 0 0 -cx, 0 1 0 -cy, 0 0 0 f, 0 0 -1/Tx (cx - cx')/Tx.
+Calibration read_reprojection(const NumberTable& table, const OpenCvNames& names) {
+  constexpr double kZero = 1e-9;
+  const auto& q = table.require(names.reprojection, 16);
+  const auto is_zero = [&](std::size_t i) { return std::abs(q[i]) <= kZero; };
+  const bool has_zeros = is_zero(1) && is_zero(2) && is_zero(4) && is_zero(6) && is_zero(8) && is_zero(9) &&
+                         is_zero(10) && is_zero(12) && is_zero(13);
+  if (!has_zeros || q[0] != 1.0 || q[5] != 1.0 || is_zero(14))
+    throw InputError(table.source, names.reprojection,
+                     "is not of the form 1 0 0 -cx, 0 1 0 -cy, 0 0 0 f, 0 0 1/baseline c, as stereoRectify gives it");
+  Calibration calibration;
+  auto& camera = calibration.camera;
+  camera.fx_px = camera.fy_px = q[11];
+  camera.cx_px = -q[3];
+  camera.cy_px = -q[7];
+  camera.cx_right_px = camera.cx_px + q[15] / q[14];
+  camera.baseline_m = 1.0 / q[14];
+  const auto [width_px, height_px] = size_of(table, names);
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  calibration.left_name = calibration.right_name = names.reprojection;
+  calibration.notes.push_back("the images are taken as rectified: the camera is that of " + names.reprojection);
+  return calibration;
 }
 
 Calibration read_opencv(const NumberTable& file, const CalibrationRequest& request) {
@@ -98,7 +133,9 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
     table.entries.insert(second.entries.begin(), second.entries.end());
     table.source += " with " + request.right_path;
   }
+  table = without_common_prefix(table);
   const OpenCvNames names = opencv_names(table);
+  if (!names.reprojection.empty()) return read_reprojection(table, names);
   const bool has_rectified = names.has_projections;
   const bool has_raw = names.has_matrices && names.has_pose;
   // Intrinsics given as a file of their own say that the images are raw; beside P1 and P2 they are just the record of
@@ -128,8 +165,9 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
 
 const CalibrationFormat kOpenCvStereo{"OpenCV stereo", false, true,
                                       [](const NumberTable& table) {
-                                        const auto names = opencv_names(table);
-                                        return names.has_matrices || names.has_projections;
+                                        const auto names = opencv_names(without_common_prefix(table));
+                                        return names.has_matrices || names.has_projections ||
+                                               !names.reprojection.empty();
                                       },
                                       read_opencv};
 

@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
@@ -18,7 +20,7 @@ const std::vector<std::string> kPlainKeys = {"fx_px",    "fy_px",      "cx_px", 
                                              "cy_px",    "baseline_m", "width_px", "height_px",
                                              "height_m", "pitch_deg",  "roll_deg"};
 
-Calibration read_plain(const NumberTable& table, const CalibrationRequest&) {
+Calibration read_plain(const NumberTable& table, const CalibrationRequest& request) {
   for (const auto& [key, entry] : table.entries)
     if (std::find(kPlainKeys.begin(), kPlainKeys.end(), key) == kPlainKeys.end())
       throw InputError(table.source, key,
@@ -33,7 +35,8 @@ Calibration read_plain(const NumberTable& table, const CalibrationRequest&) {
   camera.cx_px = table.require_number("cx_px");
   camera.cx_right_px = number_or("cx_right_px", camera.cx_px);
   camera.cy_px = table.require_number("cy_px");
-  camera.baseline_m = table.require_number("baseline_m");
+  camera.baseline_m = table.has("baseline_m") ? table.require_number("baseline_m")
+                                              : missing_baseline(request, table.source, "baseline_m");
   camera.width_px = table.require_size("width_px");
   camera.height_px = table.require_size("height_px");
   camera.mount.height_m = number_or("height_m", camera.mount.height_m);
@@ -94,6 +97,73 @@ struct RosCamera {
   }
 };
 
+/// A window of the images that a message says in `roi`: of the whole images' pixels, as all other numbers are.
+struct Window {
+  double x_px = 0.0, y_px = 0.0;
+  int width_px = 0, height_px = 0;
+};
+
+std::optional<Window> window_of(const RosCamera& camera) {
+  const auto number = [&](const char* name) {
+    const std::string key = camera.prefix + name;
+    return camera.table.has(key) ? camera.table.require_number(key) : 0.0;
+  };
+  if (number("roi.width") == 0.0 || number("roi.height") == 0.0) return std::nullopt;  // ROS: the whole image
+  const Window window{number("roi.x_offset"), number("roi.y_offset"), camera.size_px({"roi.width"}),
+                      camera.size_px({"roi.height"})};
+  if (window.width_px == camera.width_px() && window.height_px == camera.height_px()) return std::nullopt;
+  return window;
+}
+
+/// Whether images of that size show the window, be it binned, rather than the whole.
+bool shows(const Window& window, const RosCamera& camera, const CalibrationRequest& request) {
+  const auto bins = [&](const char* name) {
+    constexpr double kMost = 64.0;
+    const std::string key = camera.prefix + name;
+    const double found = camera.table.has(key) ? camera.table.require_number(key) : 0.0;  // which means 1
+    return static_cast<int>(std::clamp(found, 1.0, kMost));
+  };
+  if (request.width_px == window.width_px / bins("binning_x") &&
+      request.height_px == window.height_px / bins("binning_y"))
+    return true;
+  const auto fits = [&](int width_px, int height_px) {
+    return one_scale(width_px, height_px, request.width_px, request.height_px).has_value();
+  };
+  return fits(window.width_px, window.height_px) && !fits(camera.width_px(), camera.height_px());
+}
+
+/// The numbers for the images at hand, where these are the window that the message says.
+/// @param prefix of the camera
+NumberTable windowed(const NumberTable& table, const std::string& prefix, const CalibrationRequest& request,
+                     std::vector<std::string>& notes) {
+  const RosCamera camera{table, prefix};
+  const auto window = window_of(camera);
+  if (!window) return table;
+  const auto place = fmt::format("a window of {} x {} px at column {}, row {}", window->width_px, window->height_px,
+                                 window->x_px, window->y_px);
+  if (!shows(*window, camera, request)) {
+    if (request.width_px != camera.width_px() || request.height_px != camera.height_px())
+      notes.push_back(fmt::format("{}roi, {}, is left out: it is for images of that size", prefix, place));
+    return table;
+  }
+  notes.push_back(fmt::format("{}roi is read as {}, which the images show: cx and cy are those in it", prefix, place));
+  NumberTable shifted = table;
+  const auto numbers = [&](std::initializer_list<const char*> names) -> std::vector<double>* {
+    const auto key = camera.first_key(names);
+    return key ? &shifted.entries.find(*key)->second.numbers : nullptr;
+  };
+  const auto shift = [&](std::vector<double>* matrix, std::size_t columns) {
+    if (matrix == nullptr || matrix->size() != 3 * columns) return;
+    (*matrix)[2] -= window->x_px;
+    (*matrix)[columns + 2] -= window->y_px;
+  };
+  shift(numbers({"projection_matrix", "P", "p"}), 4);
+  shift(numbers({"camera_matrix", "K", "k"}), 3);
+  if (auto* width = numbers({"image_width", "width"})) *width = {static_cast<double>(window->width_px)};
+  if (auto* height = numbers({"image_height", "height"})) *height = {static_cast<double>(window->height_px)};
+  return shifted;
+}
+
 void check_same_size_of(const RosCamera& left, const RosCamera& right) {
   check_same_size({left.width_px(), left.height_px()}, {right.width_px(), right.height_px()}, right.table.source,
                   right.prefix + "image size");
@@ -122,20 +192,36 @@ Calibration read_raw_ros_pair(const RosCamera& left, const RosCamera& right, con
   pair.stereo.left = left_view.camera;
   pair.stereo.right = right_view.camera;
   set_pose(pair.stereo, pose_of_views(left_view, right_view));
-  const auto size = known_size({left.width_px(), left.height_px()}, request, left.table.source);
-  pair.stereo.width_px = size.width_px;
-  pair.stereo.height_px = size.height_px;
+  pair.stereo.width_px = left.width_px();
+  pair.stereo.height_px = left.height_px();
   return calibration_from_raw(std::move(pair), request, left.table.source);
 }
 
+/// Messages of both cameras, printed one after the other; files with OpenCV's names say less of each.
+bool has_messages(const NumberTable& table) {
+  const auto has = [&](std::initializer_list<const char*> keys) {
+    return std::all_of(keys.begin(), keys.end(), [&](const char* key) { return table.has(key); });
+  };
+  return table.has("left.width") && table.has("right.width") &&
+         (has({"left.K", "left.R", "left.P", "right.P"}) || has({"left.k", "left.r", "left.p", "right.p"}));
+}
+
 Calibration read_ros(const NumberTable& table, const CalibrationRequest& request) {
+  const bool is_one_file =
+      table.has("left.projection_matrix") || table.has("right.projection_matrix") || has_messages(table);
+  const std::array<std::string, 2> prefixes =
+      is_one_file ? std::array<std::string, 2>{"left.", "right."} : std::array<std::string, 2>{};
+  std::vector<std::string> notes, notes_of_right;
+  const NumberTable left = windowed(table, prefixes[0], request, notes);
+  const NumberTable right =
+      windowed(is_one_file ? table : read_right_file(table, request), prefixes[1], request, notes_of_right);
   const auto read = request.images_are_raw ? read_raw_ros_pair : read_ros_pair;
-  if (table.has("left.projection_matrix") || table.has("right.projection_matrix"))
-    return read({table, "left."}, {table, "right."}, request);
-  const auto right = read_right_file(table, request);
-  auto calibration = read({table, ""}, {right, ""}, request);
-  calibration.left_name = table.source;
-  calibration.right_name = right.source;
+  auto calibration = read({left, prefixes[0]}, {right, prefixes[1]}, request);
+  if (!is_one_file) {
+    calibration.left_name = left.source;
+    calibration.right_name = right.source;
+  }
+  calibration.notes.insert(calibration.notes.begin(), notes.begin(), notes.end());
   return calibration;
 }
 
@@ -154,7 +240,7 @@ const CalibrationFormat kPlainYaml{
 const CalibrationFormat kRosCameraInfo{"ROS camera_info pair", false, true,
                                        [](const NumberTable& table) {
                                          return table.has("projection_matrix") || table.has("left.projection_matrix") ||
-                                                table.has("right.projection_matrix") ||
+                                                table.has("right.projection_matrix") || has_messages(table) ||
                                                 (table.has("P") && table.has("K")) ||
                                                 (table.has("p") && table.has("k"));
                                        },

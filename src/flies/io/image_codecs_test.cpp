@@ -4,10 +4,16 @@
 #include <png.h>
 #include <tiffio.h>
 
+#include <array>
+#include <cstdio>
+#include <cstdlib>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <vector>
+// libjpeg's header wants <cstdio> before it.
+#include <jpeglib.h>
 
 #include "flies/io/image_decoders.hpp"
 #include "flies/io/image_file.hpp"
@@ -66,6 +72,44 @@ TEST(DecodeJpeg, BearsBytesBehindTheLastRow) {
   EXPECT_TRUE(decode_image(view_of(cut)).empty());
   cut.insert(cut.end() - kEnd, kPadding, 0);
   EXPECT_TRUE(decode_image(view_of(cut)).empty());
+}
+
+/// A progressive grey image, each coefficient in two passes of its own.
+std::string jpeg_of_passes(int coefficients) {
+  std::vector<jpeg_scan_info> passes = {{1, {0}, 0, 0, 0, 0}};
+  for (int k = 1; k <= coefficients; ++k) {
+    passes.push_back({1, {0}, k, k, 0, 1});
+    passes.push_back({1, {0}, k, k, 1, 0});
+  }
+  jpeg_compress_struct jpeg{};
+  jpeg_error_mgr errors{};
+  jpeg.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&jpeg);
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&jpeg, &bytes, &size);
+  jpeg.image_width = jpeg.image_height = 8;
+  jpeg.input_components = 1;
+  jpeg.in_color_space = JCS_GRAYSCALE;
+  jpeg_set_defaults(&jpeg);
+  jpeg.scan_info = passes.data();
+  jpeg.num_scans = static_cast<int>(passes.size());
+  jpeg_start_compress(&jpeg, TRUE);
+  std::array<JSAMPLE, 8> row = {0, 200, 30, 170, 60, 140, 90, 110};
+  for (int v = 0; v < 8; ++v) {
+    JSAMPROW pixels = row.data();
+    jpeg_write_scanlines(&jpeg, &pixels, 1);
+  }
+  jpeg_finish_compress(&jpeg);
+  std::string file(reinterpret_cast<const char*>(bytes), size);
+  jpeg_destroy_compress(&jpeg);
+  std::free(bytes);
+  return file;
+}
+
+TEST(DecodeJpeg, RefusesPassesWithoutEnd) {
+  EXPECT_FALSE(decode_image(jpeg_of_passes(40)).empty());
+  EXPECT_TRUE(decode_image(jpeg_of_passes(63)).empty()) << "127 passes";
 }
 
 TEST(DecodePnm, TakesTheShortestTextsAndNoneThatPromisesMore) {

@@ -23,6 +23,8 @@ TEST(TimesInNames, AreReadInTheFormsThatAreFound) {
       {"1698765432500000.png", "1698765433000000.png"},
       {"1698765432500000000.png", "1698765433000000000.png"},
       {"2023-10-31T15-17-12.500.png", "2023-10-31T15-17-13.000.png"},
+      {"31-10-2023_15-17-12.500.png", "31-10-2023_15-17-13.000.png"},
+      {"cam0_31.10.2023 15.17.12.5.png", "cam0_31.10.2023 15.17.13.0.png"},
       {"20231031_151712_500_left.png", "20231031_151713_000_left.png"},
       {"IMG_20231031_151712500.png", "IMG_20231031_151713000.png"},
       {"20231031151712500.png", "20231031151713.png"},
@@ -37,6 +39,16 @@ TEST(TimesInNames, AreReadInTheFormsThatAreFound) {
   const auto unpadded = times_in_names({"1698765432_3000000.png", "1698765432_103000000.png"});
   ASSERT_TRUE(unpadded);
   EXPECT_NEAR((*unpadded)[1] - (*unpadded)[0], 0.1, kSmallest_s);
+}
+
+TEST(TimesInNames, AreTimesOfDayWhereTheyAscend) {
+  EXPECT_THAT(times_in_names({"cam0_10-00-00-100.png", "cam0_10-00-01-200.png"}),
+              Optional(ElementsAre(36000.1, 36001.2)));
+  EXPECT_THAT(times_in_names({"0007_10:00:00.100250.png"}), Optional(ElementsAre(36000.10025)));
+  EXPECT_FALSE(times_in_names({"05-31-2024_23-00-00.100.png", "06-01-2024_01-00-00.100.png"})) << "of two days";
+  EXPECT_FALSE(times_in_names({"01-02-03-004.png", "01-02-03-005.png", "01-02-03-006.png"})) << "a counter";
+  for (const char* name : {"24-00-00-100.png", "10-60-00-100.png", "10-00-00.png", "10-00-00-10.png"})
+    EXPECT_FALSE(times_in_names({name})) << name;
 }
 
 TEST(TimesInNames, AreCountsWhereARunOfDigitsIsNoDate) {
@@ -61,6 +73,41 @@ TEST(NumbersInNames, AreTheLastThatVary) {
   EXPECT_THAT(numbers_in_names({"cam2_9_0.png", "cam2_10_0.png"}), Optional(ElementsAre(9, 10)));
   EXPECT_FALSE(numbers_in_names({"a.png", "b.png"}));
   EXPECT_FALSE(numbers_in_names({"2.png", "1.png"}));
+}
+
+TEST(FinestNumbersInNames, AreThoseOfTheLargestSteps) {
+  EXPECT_THAT(finest_numbers_in_names({"0_83211_5.png", "1_83311_4.png"}), Optional(ElementsAre(83211, 83311)));
+  EXPECT_THAT(finest_numbers_in_names({"83211_7.png", "83311_8.png"}), Optional(ElementsAre(83211, 83311)));
+  EXPECT_FALSE(finest_numbers_in_names({"a_2.png", "a_1.png"}));
+  EXPECT_FALSE(finest_numbers_in_names({"a_1.png"})) << "nothing ascends";
+}
+
+TEST(SidesInNames, AreWordsLettersOrNumbersThatAllHave) {
+  const std::vector<std::vector<std::string>> folders = {
+      {"d/left00.png", "d/left10.png", "d/right00.png", "d/right10.png"},
+      {"d/Image_LEFT_0.png", "d/Image_LEFT_1.png", "d/Image_RIGHT_0.png", "d/Image_RIGHT_1.png"},
+      {"d/01_camLeft.png", "d/02_camLeft.png", "d/01_camRight.png", "d/02_camRight.png"},
+      {"d/01_l.png", "d/02_l.png", "d/01_r.png", "d/02_r.png"},
+      {"d/L0001.png", "d/L0002.png", "d/R0001.png", "d/R0002.png"},
+      {"d/cam0_07.png", "d/cam0_08.png", "d/cam1_07.png", "d/cam1_08.png"},
+      {"d/img_07_0.png", "d/img_08_0.png", "d/img_07_1.png", "d/img_08_1.png"},
+      {"d/07_1.png", "d/08_1.png", "d/07_2.png", "d/08_2.png"}};
+  for (const auto& folder : folders) {
+    const auto sides = sides_in_names(folder);
+    ASSERT_TRUE(sides) << folder[0];
+    EXPECT_THAT(sides->first, ElementsAre(folder[0], folder[1]));
+    EXPECT_THAT(sides->second, ElementsAre(folder[2], folder[3]));
+  }
+}
+
+TEST(SidesInNames, AreNotGuessed) {
+  const std::vector<std::vector<std::string>> folders = {{"left0.png", "left1.png"},
+                                                         {"left0.png", "right0.png", "board.png"},
+                                                         {"frame_0.png", "frame_1.png"},
+                                                         {"0_0.png", "0_1.png", "1_0.png", "1_1.png"},
+                                                         {"000007_10.png", "000007_11.png", "000008_10.png"},
+                                                         {"1.png", "2.png", "3.png"}};
+  for (const auto& folder : folders) EXPECT_FALSE(sides_in_names(folder)) << folder[0];
 }
 
 TEST(NamesWithoutSide, KeepWhatTellsImagesApart) {

@@ -45,9 +45,17 @@ jpeg_error_mgr* silent(Errors& errors) {
   return &errors.base;
 }
 
+/// Each pass of a progressive image goes over all of it and may take a few bytes: a small file could go on for hours.
+/// Cameras and programs write a dozen.
+void limit_passes(j_common_ptr jpeg) {
+  constexpr int kMostPasses = 100;
+  if (reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number > kMostPasses) leave(jpeg);
+}
+
 struct Decoder {
   jpeg_decompress_struct jpeg{};
   Errors errors{};
+  jpeg_progress_mgr progress{};
   cv::Mat image;
 
   Decoder() = default;
@@ -75,6 +83,8 @@ bool read_image(Decoder& d, std::string_view bytes) {
   d.jpeg.err = silent(d.errors);
   if (setjmp(d.errors.jump) != 0) return false;
   jpeg_create_decompress(&d.jpeg);
+  d.progress.progress_monitor = limit_passes;
+  d.jpeg.progress = &d.progress;
   jpeg_mem_src(&d.jpeg, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
   jpeg_read_header(&d.jpeg, TRUE);
   if (detail::is_too_large(d.jpeg.image_width, d.jpeg.image_height, bytes.size())) return false;

@@ -67,14 +67,35 @@ Json object_of(const StereoCamera& camera) {
           {"width_px", camera.width_px},       {"height_px", camera.height_px}};
 }
 
-Json object_of(const RunRecord& run) {
-  Json options = Json::object();
-  for (const auto& [name, text] : run.options) {
+/// Not rounded, as `row_correction` is not: the run is to be made again with it.
+Json object_of(const CameraMount& mount) {
+  return {{"height_m", mount.height_m}, {"pitch_rad", mount.pitch_rad}, {"roll_rad", mount.roll_rad}};
+}
+
+/// Numbers and truth values as such, all else as texts.
+Json object_of(const std::vector<std::pair<std::string, std::string>>& options) {
+  Json object = Json::object();
+  for (const auto& [name, text] : options) {
     Json value = Json::parse(text, nullptr, false);
-    options[name] = value.is_discarded() ? Json(text) : std::move(value);
+    object[name] = value.is_primitive() && !value.is_discarded() ? std::move(value) : Json(text);
   }
-  return {{"version", run.version},           {"calibration", run.calibration}, {"camera", object_of(run.camera)},
-          {"people_model", run.people_model}, {"preset", run.preset},           {"options", options}};
+  return object;
+}
+
+Json object_of(const RunRecord& run) {
+  Json object = {{"version", run.version},
+                 {"calibration", run.calibration},
+                 {"camera", object_of(run.camera)},
+                 {"mount", object_of(run.camera.mount)}};
+  if (run.row_correction)
+    object["row_correction"] = {{"offset_px", run.row_correction->offset_px},
+                                {"roll_rad", run.row_correction->roll_rad},
+                                {"middle_u_px", run.row_correction->middle_u_px}};
+  if (!run.input.empty()) object["input"] = object_of(run.input);
+  object["people_model"] = run.people_model;
+  object["preset"] = run.preset;
+  object["options"] = object_of(run.options);
+  return object;
 }
 
 Json numbers_of(const std::vector<double>& values, Json (*written)(double)) {

@@ -30,6 +30,11 @@ void check_entry_size(const NumberEntry& entry, const std::string& key, const st
     throw InputError(source, key, fmt::format("holds more than {} numbers, no calibration does", kMaxNumbers));
 }
 
+void check_count(const NumberTable& table) {
+  if (table.entries.size() > kMaxKeys)
+    throw InputError(table.source, "", fmt::format("holds more than {} keys, no calibration does", kMaxKeys));
+}
+
 void append_yaml_numbers(const YAML::Node& node, NumberEntry& entry, const std::string& key, const std::string& source,
                          int depth) {
   check_entry_size(entry, key, source);
@@ -53,8 +58,7 @@ void add_yaml(const YAML::Node& value, const std::string& key, NumberTable& tabl
   } else {
     append_yaml_numbers(value.IsMap() ? value["data"] : value, table.entries[key], key, table.source, 0);
   }
-  if (table.entries.size() > kMaxKeys)
-    throw InputError(table.source, "", fmt::format("holds more than {} keys, no calibration does", kMaxKeys));
+  check_count(table);
 }
 
 void flatten_yaml(const YAML::Node& node, const std::string& prefix, NumberTable& table, int depth) {
@@ -83,13 +87,76 @@ std::string as_yaml(const std::string& text) {
   return yaml;
 }
 
+/// The documents of a YAML text that hold something: lines of `---` stand between them.
+std::vector<std::string> documents_of(const std::string& text) {
+  std::vector<std::string> documents(1);
+  bool is_blank = true;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const auto first = line.find_first_not_of(" \t"), last = line.find_last_not_of(" \t");
+    const bool is_border = last == 2 && line.starts_with("---");
+    if (is_border && !is_blank) documents.emplace_back();
+    if (is_border && is_blank) documents.back().clear();
+    if (is_border) is_blank = true;
+    if (is_border) continue;
+    documents.back() += line + '\n';
+    is_blank = is_blank && (first == std::string::npos || line[first] == '#' || line[first] == '%');
+  }
+  if (is_blank && documents.size() > 1) documents.pop_back();
+  return documents;
+}
+
+NumberTable table_of(const std::string& yaml, const std::string& source) {
+  NumberTable table{source, {}};
+  const YAML::Node root = detail::load_yaml(yaml, source);
+  if (root.IsMap()) flatten_yaml(root, "", table, 0);
+  return table;
+}
+
+/// The projection matrix of a ROS camera; nothing in another document.
+const NumberEntry* projection_of(const NumberTable& table) {
+  for (const char* key : {"projection_matrix", "P", "p"})
+    if (const auto found = table.entries.find(key); found != table.entries.end()) return &found->second;
+  return nullptr;
+}
+
+/// Messages of ROS that were printed one after the other: of one camera again and again, or of the left and of the
+/// right one. What OpenCV appends to a file are more keys of the same.
+void merge_documents(const std::vector<std::string>& documents, NumberTable& table) {
+  std::vector<NumberTable> cameras;
+  for (const auto& document : documents) {
+    NumberTable camera = table_of(document, table.source);
+    const NumberEntry* projection = projection_of(camera);
+    const bool is_known = projection && std::ranges::any_of(cameras, [&](const NumberTable& other) {
+                            return projection_of(other) && projection_of(other)->numbers == projection->numbers;
+                          });
+    if (!is_known) cameras.push_back(std::move(camera));
+  }
+  const bool are_ros = std::ranges::all_of(cameras, [](const NumberTable& camera) { return projection_of(camera); });
+  if (are_ros && cameras.size() > 2)
+    throw InputError(
+        table.source, "",
+        fmt::format("holds {} cameras between lines of ---, expected the left and then the right one", cameras.size()));
+  const bool is_pair = are_ros && cameras.size() == 2;
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    for (auto& [key, entry] : cameras[i].entries) {
+      const std::string whole = (!is_pair ? "" : i == 0 ? "left." : "right.") + key;
+      if (!table.entries.emplace(whole, std::move(entry)).second)
+        throw InputError(table.source, whole,
+                         fmt::format("stands in two of the {} documents that the file holds (between lines of ---)",
+                                     documents.size()));
+      check_count(table);
+    }
+}
+
 void parse_yaml(std::string text, NumberTable& table) {
   if (text.starts_with("%YAML")) text = as_yaml(text);
   // JSON may be indented by tabs, YAML may not.
   if (text.find_first_not_of(" \t\n") != std::string::npos && text[text.find_first_not_of(" \t\n")] == '{')
     std::replace(text.begin(), text.end(), '\t', ' ');
-  const YAML::Node root = detail::load_yaml(text, table.source);
-  if (root.IsMap()) flatten_yaml(root, "", table, 0);
+  const auto documents = documents_of(text);
+  if (documents.size() > 1) return merge_documents(documents, table);
+  table.entries = table_of(text, table.source).entries;
 }
 
 bool is_opencv_xml(std::string_view text) {
@@ -103,6 +170,32 @@ void append_xml_numbers(const pugi::xml_node& node, NumberEntry& entry) {
   for (const pugi::xml_node item : node.children("_")) append_words(entry, item.child_value());
 }
 
+/// Whether a node holds others by their names, and is neither a matrix nor a list.
+bool is_xml_map(const pugi::xml_node& node) {
+  return !node.child("data") && std::any_of(node.begin(), node.end(), [](const pugi::xml_node& child) {
+    return child.type() == pugi::node_element && std::string_view(child.name()) != "_";
+  });
+}
+
+void flatten_xml(const pugi::xml_node& node, const std::string& prefix, NumberTable& table, int depth) {
+  if (depth > kMaxDepth) throw InputError(table.source, prefix, "is nested too deeply for a calibration");
+  int count = 0;  // of items of a list of maps
+  for (const pugi::xml_node item : node.children()) {
+    if (item.type() != pugi::node_element) continue;
+    const bool is_item = std::string_view(item.name()) == "_";
+    const std::string key = prefix + (is_item ? std::to_string(count++) : std::string(item.name()));
+    const auto holds_map = [](const pugi::xml_node& child) { return is_xml_map(child); };
+    if (is_xml_map(item) || std::any_of(item.children("_").begin(), item.children("_").end(), holds_map)) {
+      flatten_xml(item, key + ".", table, depth + 1);
+      continue;
+    }
+    if (table.has(key)) throw InputError(table.source, key, "stands in the file twice");
+    append_xml_numbers(item, table.entries[key]);
+    check_entry_size(table.entries[key], key, table.source);
+    check_count(table);
+  }
+}
+
 /// OpenCV's own reader answers some damaged files with exceptions of the standard library, others with a full stack.
 void parse_xml(const std::string& text, NumberTable& table) {
   pugi::xml_document document;
@@ -110,12 +203,25 @@ void parse_xml(const std::string& text, NumberTable& table) {
   if (!parsed)
     throw InputError(table.source, fmt::format("byte {}", parsed.offset),
                      fmt::format("malformed OpenCV XML: {}", parsed.description()));
-  for (const pugi::xml_node item : document.child("opencv_storage").children()) {
-    if (item.type() != pugi::node_element) continue;
-    if (table.has(item.name())) throw InputError(table.source, item.name(), "stands in the file twice");
-    append_xml_numbers(item, table.entries[item.name()]);
-    check_entry_size(table.entries[item.name()], item.name(), table.source);
-  }
+  flatten_xml(document.child("opencv_storage"), "", table, 0);
+}
+
+/// What programs write that is no text, by its first bytes, and how to write what is read.
+void check_is_text(const std::string& bytes, const std::string& path) {
+  struct Kind {
+    std::string_view first_bytes;
+    const char* complaint;
+  };
+  for (const auto& [first_bytes, complaint] :
+       {Kind{"PK\x03\x04",
+             "is a zip archive, as numpy.savez writes it (.npz): python3 -c \"import json, numpy; "
+             "print(json.dumps({k: v.tolist() for k, v in numpy.load('FILE').items()}))\" writes it as JSON"},
+        Kind{"\x93NUMPY",
+             "is one NumPy array (.npy), expected all numbers in one text: json.dumps({'K1': numpy.load('K1.npy')"
+             ".tolist(), ...}), with D1, K2, D2, R, T and image_size"},
+        Kind{"MATLAB 5.0 MAT-file", "is a MAT-file: jsonencode(toStruct(stereoParams)) writes what is read"},
+        Kind{"\x89HDF", "is an HDF5 or MAT-file: jsonencode(toStruct(stereoParams)) in MATLAB writes what is read"}})
+    if (bytes.starts_with(first_bytes)) throw InputError(path, "format", complaint);
 }
 
 }  // namespace
@@ -170,7 +276,9 @@ NumberTable parse_number_table(const std::string& text, const std::string& sourc
 }
 
 NumberTable read_number_table(const std::string& path) {
-  return parse_number_table(plain_text(read_file(path, kMaxBytes)), path);
+  const std::string bytes = read_file(path, kMaxBytes);
+  check_is_text(bytes, path);
+  return parse_number_table(plain_text(bytes), path);
 }
 
 }  // namespace flies

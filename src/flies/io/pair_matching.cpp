@@ -15,12 +15,17 @@
 #include "flies/core/quantile.hpp"
 #include "flies/io/image_folder.hpp"
 #include "flies/io/image_names.hpp"
+#include "flies/io/pair_matching_nearest.hpp"
 
 namespace flies {
 namespace {
 
 namespace fs = std::filesystem;
 using Paths = std::vector<std::string>;
+using detail::match_nearest;
+using detail::matched;
+using detail::TimedPaths;
+using detail::usual_step_s;
 
 /// A name without its extension, and without the words that tell left from right.
 std::string common_name(const std::string& path) {
@@ -58,28 +63,6 @@ NameKeys bare_names(const Paths& left, const Paths& right) {
   return {std::move(left_names), std::move(right_names)};
 }
 
-/// Pairs left images with those that `partner` names, which takes no right image twice.
-template <class Partner>
-MatchedPairs matched(const Paths& left, const Paths& right, Partner partner) {
-  MatchedPairs found;
-  std::vector<bool> is_taken(right.size());
-  for (std::size_t i = 0; i < left.size(); ++i) {
-    const std::optional<std::size_t> k = partner(i);
-    if (k && !is_taken[*k]) {
-      is_taken[*k] = true;
-      found.pairs.push_back({left[i], right[*k]});
-    } else {
-      found.odd.push_back(left[i]);
-    }
-  }
-  for (std::size_t k = 0; k < right.size(); ++k)
-    if (!is_taken[k]) {
-      found.odd.push_back(right[k]);
-      ++found.odd_right;
-    }
-  return found;
-}
-
 MatchedPairs match_names(const Paths& left, const Paths& right, const NameKeys& keys) {
   std::map<std::string, std::size_t> by_name;
   for (std::size_t k = 0; k < right.size(); ++k) by_name.emplace(keys.right[k], k);
@@ -88,12 +71,6 @@ MatchedPairs match_names(const Paths& left, const Paths& right, const NameKeys& 
     return at == by_name.end() ? std::nullopt : std::optional(at->second);
   });
 }
-
-/// Images with their times, in order of time.
-struct TimedPaths {
-  Paths paths;
-  std::vector<double> times_s;
-};
 
 TimedPaths in_order_of_time(const Paths& paths) {
   const auto times_s = times_in_names(paths);
@@ -113,22 +90,6 @@ TimedPaths in_order_of_time(const Paths& paths) {
   return found;
 }
 
-/// @param times_s in order
-std::size_t nearest(const std::vector<double>& times_s, double time_s) {
-  const auto after = std::lower_bound(times_s.begin(), times_s.end(), time_s);
-  if (after == times_s.begin()) return 0;
-  const auto at = static_cast<std::size_t>(after - times_s.begin());
-  return after == times_s.end() || time_s - times_s[at - 1] <= *after - time_s ? at - 1 : at;
-}
-
-/// The usual time between images, which are in order.
-double usual_step_s(const std::vector<double>& times_s) {
-  if (times_s.size() < 2) return 2.0;
-  std::vector<double> steps_s;
-  for (std::size_t i = 1; i < times_s.size(); ++i) steps_s.push_back(times_s[i] - times_s[i - 1]);
-  return upper_median(std::move(steps_s));
-}
-
 /// Cameras that are triggered together differ by a hundredth of their step.
 std::optional<std::string> note_on_skew(const std::vector<double>& skews_s, double step_s) {
   constexpr double kMuch = 0.15;  // of a step
@@ -142,20 +103,63 @@ std::optional<std::string> note_on_skew(const std::vector<double>& skews_s, doub
       1e3 * skew_s, 1e3 * step_s);
 }
 
-/// Two images are a pair when each is the nearest to the other.
 MatchedPairs match_times(const Paths& left, const Paths& right) {
   const TimedPaths lefts = in_order_of_time(left), rights = in_order_of_time(right);
-  const double step_s = usual_step_s(lefts.times_s);
-  std::vector<double> skews_s;
-  auto found = matched(lefts.paths, rights.paths, [&](std::size_t i) -> std::optional<std::size_t> {
-    const std::size_t k = nearest(rights.times_s, lefts.times_s[i]);
-    const double skew_s = rights.times_s[k] - lefts.times_s[i];
-    // What is farther apart than half of a step belongs to the next one.
-    if (nearest(lefts.times_s, rights.times_s[k]) != i || std::abs(skew_s) > 0.5 * step_s) return std::nullopt;
-    skews_s.push_back(skew_s);
-    return k;
-  });
-  if (auto note = note_on_skew(skews_s, step_s)) found.notes.push_back(std::move(*note));
+  auto [found, skews_s] = match_nearest(lefts, rights);
+  if (auto note = note_on_skew(skews_s, usual_step_s(lefts.times_s))) found.notes.push_back(std::move(*note));
+  return found;
+}
+
+/// Numbers in names, which count something that the folders have in common, if only but for a constant.
+std::optional<TimedPaths> in_order_of_number(const Paths& paths) {
+  const auto numbers = finest_numbers_in_names(paths);
+  if (!numbers || numbers->size() < 2) return std::nullopt;
+  return TimedPaths{paths, {numbers->begin(), numbers->end()}};
+}
+
+/// Whether the difference of the numbers changes by about a step somewhere in pairs in order, as where an image is
+/// lost, and not by jitter, which is everywhere.
+bool order_jumps(const TimedPaths& lefts, const TimedPaths& rights, double step) {
+  constexpr double kCalm = 0.3, kOutstanding = 10.0;  // of the changes, even where a few images have many jumps
+  if (lefts.paths.size() != rights.paths.size()) return true;
+  std::vector<double> changes;
+  for (std::size_t i = 1; i < lefts.paths.size(); ++i)
+    changes.push_back(std::abs(rights.times_s[i] - rights.times_s[i - 1] - lefts.times_s[i] + lefts.times_s[i - 1]));
+  return *std::ranges::max_element(changes) > std::max(0.5 * step, kOutstanding * quantile(changes, kCalm));
+}
+
+/// By the numbers in names, as times of one clock or counts that differ by a constant.
+/// @returns nothing where they do not tell more than the order does
+std::optional<MatchedPairs> match_numbers(const Paths& left, const Paths& right) {
+  constexpr double kNear = 0.1;  // of a step: cameras that are triggered together differ by a hundredth
+  const auto lefts = in_order_of_number(left);
+  auto rights = in_order_of_number(right);
+  if (!lefts || !rights) return std::nullopt;
+  const double step = usual_step_s(lefts->times_s);
+  const bool jumps = order_jumps(*lefts, *rights, step);
+  const auto most_pair = [&](const MatchedPairs& found) {
+    return 2 * found.pairs.size() > std::min(left.size(), right.size());
+  };
+
+  auto [found, skews] = match_nearest(*lefts, *rights);
+  if (most_pair(found) && std::abs(upper_median(skews)) <= kNear * step) {
+    if (!jumps && !found.odd.empty()) return std::nullopt;
+    found.notes.push_back(fmt::format(
+        "images are paired by the numbers in their names, each with the nearest: right ones are {:+.0f} from "
+        "the left ones, of {:.0f} from image to image",
+        upper_median(skews), step));
+    return found;
+  }
+  // Where images are lost on the way, the first and the last ones still tell the constant.
+  const double constant = rights->times_s.front() - lefts->times_s.front();
+  if (!jumps || std::abs(rights->times_s.back() - lefts->times_s.back() - constant) > kNear * step) return std::nullopt;
+  for (double& number : rights->times_s) number -= constant;
+  found = match_nearest(*lefts, *rights).found;
+  if (!most_pair(found)) return std::nullopt;
+  found.notes.push_back(
+      fmt::format("images are paired by the numbers in their names, right ones {:+.0f} from the left ones as are the "
+                  "first and the last, because images are lost in between; --pair-by order pairs them in order",
+                  constant));
   return found;
 }
 
@@ -187,20 +191,60 @@ std::optional<std::string> note_on_order(const Paths& left, const Paths& right) 
       count, left.size(), fmt::join(examples, ", "));
 }
 
+/// Pairs that were made in order where the names tell of others for most images.
+std::optional<std::string> note_on_others(const MatchedPairs& ordered, const MatchedPairs& told) {
+  std::set<std::pair<std::string, std::string>> pairs;
+  for (const auto& pair : told.pairs) pairs.emplace(pair.left, pair.right);
+  const auto differs = [&](const PairPaths& pair) { return !pairs.contains({pair.left, pair.right}); };
+  const auto first = std::ranges::find_if(ordered.pairs, differs);
+  if (first == ordered.pairs.end() || 2 * pairs.size() < ordered.pairs.size()) return std::nullopt;
+  return fmt::format(
+      "images are paired in order, but by their names {} of {} are no pairs, as {} with {}: a lost image shifts all "
+      "that follow; --pair-by auto goes by the names",
+      std::ranges::count_if(ordered.pairs, differs), ordered.pairs.size(), fs::path(first->left).filename().string(),
+      fs::path(first->right).filename().string());
+}
+
+/// The pairs that the names tell of, if they do.
+std::optional<MatchedPairs> match_by_itself(const Paths& left, const Paths& right) {
+  const NameKeys whole = whole_names(left, right), bare = bare_names(left, right);
+  if (whole.speak()) return match_names(left, right, whole);
+  if (times_in_names(left) && times_in_names(right)) {
+    auto found = match_times(left, right);
+    // Numbers may only look like times.
+    if (!bare.speak() || 2 * found.pairs.size() >= std::min(left.size(), right.size())) return found;
+  }
+  if (bare.speak()) return match_names(left, right, bare);
+  return match_numbers(left, right);
+}
+
 MatchedPairs match_images(const Paths& left, const Paths& right, PairBy by, const std::string& left_folder,
                           const std::string& right_folder) {
-  const bool is_automatic = by == PairBy::automatic;
-  if (is_automatic || by == PairBy::name) {
-    const NameKeys whole = whole_names(left, right), bare = bare_names(left, right);
-    if (whole.speak()) return match_names(left, right, whole);
-    if (is_automatic && times_in_names(left) && times_in_names(right)) return match_times(left, right);
-    if (bare.speak()) return match_names(left, right, bare);
-    if (!is_automatic) return match_names(left, right, bare.common() > whole.common() ? bare : whole);
-  }
   if (by == PairBy::time) return match_times(left, right);
+  if (by == PairBy::name) {
+    const NameKeys whole = whole_names(left, right), bare = bare_names(left, right);
+    return match_names(left, right, whole.speak() || bare.common() <= whole.common() ? whole : bare);
+  }
+  auto told = match_by_itself(left, right);
+  if (told && by == PairBy::automatic) return std::move(*told);
   auto found = match_order(left, right, left_folder, right_folder);
-  if (!is_automatic) return found;
+  if (auto note = told ? note_on_others(found, *told) : std::nullopt) found.notes.push_back(std::move(*note));
+  if (by == PairBy::order) return found;
   if (auto note = note_on_order(left, right)) found.notes.push_back(std::move(*note));
+  return found;
+}
+
+/// A folder that holds the images of both cameras.
+MatchedPairs match_one_folder(const std::string& folder, PairBy by) {
+  const auto sides = sides_in_names(detail::images_of(folder));
+  if (!sides)
+    throw InputError(folder, "",
+                     "is both folders, expected one of left and one of right images, or names that all say which they "
+                     "are (left01 and right01, 01_l and 01_r, cam0_01 and cam1_01, 01_0 and 01_1)");
+  auto found = match_images(sides->first, sides->second, by, folder + " (left)", folder + " (right)");
+  found.notes.insert(
+      found.notes.begin(),
+      fmt::format("{}: is both folders: its names say which images are left and which are right", folder));
   return found;
 }
 
@@ -221,8 +265,10 @@ MatchedPairs match_pairs(const std::string& left, const std::string& right, Pair
                      left_is_folder ? fmt::format("is a file, expected a folder as {} is one", left)
                                     : fmt::format("is a folder, expected a file as {} is one", left));
   if (!left_is_folder) return {{{left, right}}, {}, 0, {}};
-  const auto left_images = detail::images_of(left), right_images = detail::images_of(right);
-  auto found = match_images(left_images, right_images, by, left, right);
+  std::error_code error;
+  auto found = fs::equivalent(left, right, error)
+                   ? match_one_folder(left, by)
+                   : match_images(detail::images_of(left), detail::images_of(right), by, left, right);
   if (found.pairs.empty())
     throw InputError(right, "",
                      fmt::format("holds no partner of any image in {}; --pair-by order takes them in order", left));

@@ -129,18 +129,104 @@ TEST(MatchPairs, WhateverTellsTheSidesApartALostFrameOnEachDoesNotShift) {
                                     {"frame_{:04}", "{:04}_right"},
                                     {"left_16987654{:02}.000", "right_16987654{:02}.004"},
                                     {"2024-05-01T10-00-{:02}.100", "2024-05-01T10-00-{:02}.104"},
-                                    {"1698765432_{}00000000", "1698765432_{}03000000"}}) {
+                                    {"1698765432_{}00000000", "1698765432_{}03000000"},
+                                    {"10-00-00-{}00", "10-00-00-{}04"},
+                                    {"01-05-2024_10-00-00.{}00", "01-05-2024_10-00-00.{}04"},
+                                    {"83{}11", "83{}13"},
+                                    {"{:04}_83{}11", "{:04}_83{}13"},
+                                    {"DSC_199{}", "DSC_003{}"},
+                                    {"a_{}0", "b_{}7"}}) {
     const Folders folders;
     for (int i = 0; i < 10; ++i) {
-      if (i != 3) folders.root.write("left/" + fmt::format(fmt::runtime(left), i) + ".png", "");
-      if (i != 8) folders.root.write("right/" + fmt::format(fmt::runtime(right), i) + ".png", "");
+      if (i != 3) folders.root.write("left/" + fmt::format(fmt::runtime(left), i, i) + ".png", "");
+      if (i != 8) folders.root.write("right/" + fmt::format(fmt::runtime(right), i, i) + ".png", "");
     }
     const auto found = match_pairs(folders.left(), folders.right(), PairBy::automatic);
     ASSERT_EQ(found.pairs.size(), 8U) << left;
     EXPECT_EQ(found.odd.size(), 2U) << left;
-    EXPECT_THAT(found.pairs[3].left, HasSubstr(fmt::format(fmt::runtime(left), 4)));
-    EXPECT_THAT(found.pairs[3].right, HasSubstr(fmt::format(fmt::runtime(right), 4)));
+    EXPECT_THAT(found.pairs[3].left, HasSubstr(fmt::format(fmt::runtime(left), 4, 4)));
+    EXPECT_THAT(found.pairs[3].right, HasSubstr(fmt::format(fmt::runtime(right), 4, 4)));
   }
+}
+
+/// Images whose names are a pattern and a number.
+struct Numbered : Folders {
+  Numbered(const char* left, const std::vector<int>& lefts, const char* right, const std::vector<int>& rights) {
+    for (const int i : lefts) root.write("left/" + fmt::format(fmt::runtime(left), i) + ".png", "");
+    for (const int i : rights) root.write("right/" + fmt::format(fmt::runtime(right), i) + ".png", "");
+  }
+};
+
+TEST(MatchPairs, StampsTellMoreThanCountersOfWhatWasSaved) {
+  const Folders folders;
+  for (int i = 0, left = 0, right = 0; i < 6; ++i) {
+    if (i != 1) folders.root.write(fmt::format("left/{:04}_83{}11.png", left++, i), "");
+    if (i != 3) folders.root.write(fmt::format("right/{:04}_83{}13.png", right++, i), "");
+  }
+  const auto found = match_pairs(folders.left(), folders.right(), PairBy::automatic);
+  EXPECT_THAT(names_of(found), ElementsAre("0000_83011.png 0000_83013.png", "0001_83211.png 0002_83213.png",
+                                           "0003_83411.png 0003_83413.png", "0004_83511.png 0004_83513.png"));
+  EXPECT_THAT(found.notes,
+              ElementsAre(AllOf(HasSubstr("each with the nearest"), HasSubstr("+2"), HasSubstr("of 100"))));
+}
+
+TEST(MatchPairs, CountersThatDifferByAConstantTellOfALostImage) {
+  const Numbered folders("DSC_{}", {1998, 2000, 2001, 2002, 2003}, "DSC_{:04}", {35, 36, 37, 39, 40});
+  const auto found = match_pairs(folders.left(), folders.right(), PairBy::automatic);
+  EXPECT_THAT(names_of(found), ElementsAre("DSC_1998.png DSC_0035.png", "DSC_2000.png DSC_0037.png",
+                                           "DSC_2002.png DSC_0039.png", "DSC_2003.png DSC_0040.png"));
+  EXPECT_THAT(found.notes, ElementsAre(AllOf(HasSubstr("-1963"), HasSubstr("lost in between"))));
+  const auto ordered = match_pairs(folders.left(), folders.right(), PairBy::order);
+  EXPECT_EQ(ordered.pairs.size(), 5U);
+  EXPECT_THAT(ordered.notes, ElementsAre(AllOf(HasSubstr("2 of 5"), HasSubstr("DSC_2000.png with DSC_0036.png"))));
+  const Numbered irregular("{:06}", {17, 101, 322, 395, 502}, "{:06}", {9019, 9103, 9250, 9321, 9503});
+  EXPECT_EQ(match_pairs(irregular.left(), irregular.right(), PairBy::automatic).pairs.size(), 4U);
+  const Numbered more("DSC_{}", {1998, 1999, 2000, 2001}, "DSC_{:04}", {35, 37, 38});
+  EXPECT_THAT(match_pairs(more.left(), more.right(), PairBy::automatic).odd, ElementsAre(HasSubstr("DSC_1999")));
+}
+
+TEST(MatchPairs, OrderHoldsWhereNumbersDoNotTellOfALostImage) {
+  const std::vector<std::pair<std::vector<int>, std::vector<int>>> numbers = {
+      {{0, 1, 2, 3}, {500, 501, 502, 503}},
+      {{0, 130, 170, 320, 375, 535, 590}, {3, 109, 238, 293, 434, 481, 593}},  // jitter
+      {{0, 10, 20, 30}, {11, 21, 31, 41}},                                     // a step and a bit
+      {{0, 1, 3, 4}, {70, 71, 73, 74}},                                        // the same pair is left out
+      {{0, 1, 3, 4}, {70, 71, 72, 73}},                                        // counted anew
+      {{1, 2, 3, 4}, {70, 71, 73, 74}},                                        // who knows which one is lost
+      {{0, 1, 2, 9, 10, 11}, {70, 71, 72, 73, 76, 77}},                        // each camera took pictures of its own
+      {{0, 1, 2, 3}, {70, 72, 74, 76}}};                                       // every second
+  for (const auto& [lefts, rights] : numbers) {
+    const Numbered folders("a{}", lefts, "b{}", rights);
+    const auto found = match_pairs(folders.left(), folders.right(), PairBy::automatic);
+    EXPECT_THAT(found.odd, IsEmpty()) << rights[0];
+    EXPECT_THAT(found.notes, ElementsAre(HasSubstr("in order though"))) << rights[0];
+    EXPECT_THAT(match_pairs(folders.left(), folders.right(), PairBy::order).notes, IsEmpty()) << rights[0];
+  }
+}
+
+TEST(MatchPairs, OrderHoldsWhereTimesAreOfOtherClocks) {
+  const Numbered folders("169876543{}.5", {0, 1, 2, 3}, "169870000{}.5", {0, 1, 2, 3});
+  EXPECT_THAT(match_pairs(folders.left(), folders.right(), PairBy::order).notes, IsEmpty());
+}
+
+TEST(MatchPairs, NamesThatOnlyLookLikeTimesPairByTheirNumbers) {
+  const Numbered folders("01-02-03-{:03}", {10, 14, 18, 22}, "01-02-04-{:03}", {10, 14, 18, 22});
+  EXPECT_EQ(match_pairs(folders.left(), folders.right(), PairBy::automatic).pairs.size(), 4U);
+}
+
+TEST(MatchPairs, SplitsAFolderOfBothCamerasByWhatItsNamesSay) {
+  const Folders folders;
+  for (const char* name : {"left00", "left01", "left10", "right00", "right01", "right10"})
+    folders.root.write("left/" + std::string(name) + ".png", "");
+  for (const PairBy by : {PairBy::automatic, PairBy::order, PairBy::name}) {
+    const auto found = match_pairs(folders.left(), folders.left() + "/../left", by);
+    EXPECT_THAT(names_of(found),
+                ElementsAre("left00.png right00.png", "left01.png right01.png", "left10.png right10.png"));
+    EXPECT_THAT(found.notes, ElementsAre(HasSubstr("is both folders")));
+  }
+  folders.root.write("left/board.png", "");
+  EXPECT_THAT(error_of([&] { find_pairs(folders.left(), folders.left()); }),
+              AllOf(HasSubstr("is both folders"), HasSubstr("left01 and right01")));
 }
 
 TEST(MatchPairs, TellsWhenNumbersDifferInPairsThatAreTakenInOrder) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "flies/io/calibration.hpp"
 #include "flies/io/number_table.hpp"
 #include "flies/io/temporary_folder.hpp"
@@ -66,7 +68,7 @@ TEST(CheckPlausible, TellsAPrincipalPointFarFromTheMiddle) {
   StereoCamera swapped = kCamera;
   swapped.cx_px = swapped.cx_right_px = kCamera.cy_px;
   swapped.cy_px = kCamera.cx_px;
-  EXPECT_THAT(fault_of(swapped), HasSubstr("cx and cy are swapped"));
+  EXPECT_THAT(fault_of(swapped), HasSubstr("cx and cy, or width and height, are swapped"));
 }
 
 TEST(LoadCalibration, HoldsPrincipalPointsOfRawCamerasAgainstTheSize) {
@@ -81,7 +83,7 @@ TEST(LoadCalibration, HoldsPrincipalPointsOfRawCamerasAgainstTheSize) {
   EXPECT_THAT(load("620, 0, 700, 187").notes, ::testing::Not(::testing::Contains(HasSubstr("principal point"))));
   EXPECT_THAT(load("420, 0, 700, 187").notes, ::testing::Contains(HasSubstr("M1: the principal point (420.0, 187.0)")));
   EXPECT_THAT(error_of([&] { load("180, 0, 700, 610"); }),
-              ::testing::AllOf(HasSubstr("M1"), HasSubstr("cx and cy are swapped")));
+              ::testing::AllOf(HasSubstr("M1"), HasSubstr("cx and cy, or width and height, are swapped")));
 }
 
 TEST(CheckPlausible, BearsWhatRectificationCropsOffFilesThatSayTheirSize) {
@@ -214,6 +216,22 @@ TEST(LoadCalibration, AsksWhetherImagesOfAnUnsizedCameraLieOnTheirSide) {
 TEST(CheckSizeOfUnsized, RefusesHalfTheSizeAndTakesTheWhole) {
   EXPECT_THAT(error_of([] { check_size_of_unsized(kCamera, 621, 187, "calib"); }), HasSubstr("--calib-size"));
   EXPECT_EQ(error_of([] { check_size_of_unsized(kCamera, 1242, 375, "calib"); }), "no error");
+}
+
+TEST(HasExchangedSize, TellsWidthForHeightFromImagesThatLieOnTheirSide) {
+  StereoCamera exchanged = kCamera;
+  std::swap(exchanged.width_px, exchanged.height_px);
+  EXPECT_TRUE(has_exchanged_size(exchanged, 1242, 375));
+  EXPECT_FALSE(has_exchanged_size(exchanged, 375, 1242));
+  EXPECT_FALSE(has_exchanged_size(exchanged, 621, 187));
+  EXPECT_FALSE(has_exchanged_size(kCamera, 375, 1242)) << "the images are turned, not the size";
+}
+
+TEST(CheckFocalLength, LetsFisheyesBeShort) {
+  StereoCamera camera = kCamera;
+  camera.fx_px = camera.fy_px = 100.0;
+  EXPECT_THAT(error_of([&] { check_focal_length(camera, "calib", "M1"); }), HasSubstr("M1: found 100 px"));
+  EXPECT_THAT(check_focal_length(camera, "calib", "M1", true), ::testing::IsEmpty());
 }
 
 TEST(OneScale, FitsHalfTheSizeAndNotAStretchedOne) {

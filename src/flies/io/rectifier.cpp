@@ -182,6 +182,15 @@ void check_coefficients(const RawCamera& camera, const std::string& source) {
                                  least, lens_name(camera.lens)));
 }
 
+/// The tables have six bytes a pixel and camera, whatever image there will be.
+void check_map_size(const RawStereo& raw, const std::string& source) {
+  constexpr double kMostPixels = 1 << 26;
+  if (static_cast<double>(raw.width_px) * raw.height_px > kMostPixels)
+    throw InputError(source, "image size",
+                     fmt::format("found {} x {} px, expected at most {:.0f} million pixels of raw cameras",
+                                 raw.width_px, raw.height_px, kMostPixels / 1e6));
+}
+
 }  // namespace
 
 struct Rectifier::Maps {
@@ -189,6 +198,7 @@ struct Rectifier::Maps {
 };
 
 Rectifier::Rectifier(const RawStereo& raw, const std::string& source) : raw_(raw), source_(source) {
+  check_map_size(raw, source);
   check_coefficients(raw.left, source);
   check_coefficients(raw.right, source);
   const cv::Size size(raw.width_px, raw.height_px);

@@ -26,11 +26,20 @@ struct DiagnosisRecord {
   std::vector<std::string> notes;   ///< what to check, one sentence each
 };
 
+/// The line by which rows of the right image were moved: a point lay `offset_px + roll_rad * (u - middle_u_px)` rows
+/// lower in it than in the left one.
+struct RowCorrectionRecord {
+  double offset_px = 0.0, roll_rad = 0.0, middle_u_px = 0.0;
+};
+
 /// What a run was made of, so that it can be made again.
 struct RunRecord {
-  std::string version;      ///< of the program
-  std::string calibration;  ///< its file
-  StereoCamera camera;      ///< as it was used
+  std::string version;                                ///< of the program
+  std::string calibration;                            ///< its file
+  StereoCamera camera;                                ///< as it was used
+  std::optional<RowCorrectionRecord> row_correction;  ///< of every pair; nothing: none was made
+  /// What the user said of pairs and camera beside the files: names of options without their dashes, and values.
+  std::vector<std::pair<std::string, std::string>> input;
   std::string people_model;
   std::string preset;                                        ///< that options start from
   std::vector<std::pair<std::string, std::string>> options;  ///< those that differ from it, by name and value

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -89,11 +90,16 @@ TEST(Detector, DoesNotDependOnTheNumberOfThreads) {
     options.threads = threads;
     return Detector(camera(), options).process(board.pair());
   };
-  const auto one = with_threads(1), four = with_threads(4);
-  EXPECT_EQ(one.evolved.flies.x_m, four.evolved.flies.x_m);
-  EXPECT_EQ(one.roi_scores, four.roi_scores);
-  ASSERT_EQ(one.obstacles.size(), four.obstacles.size());
-  for (std::size_t i = 0; i < one.obstacles.size(); ++i) EXPECT_EQ(one.obstacles[i].x_m, four.obstacles[i].x_m);
+  const auto one = with_threads(1);
+  ASSERT_FALSE(one.obstacles.empty() || one.roi_scores.empty());
+  for (const int threads : {2, 4}) {
+    const auto several = with_threads(threads);
+    EXPECT_EQ(several.evolved.flies.x_m, one.evolved.flies.x_m) << threads;
+    EXPECT_EQ(several.roi_scores, one.roi_scores) << threads;
+    ASSERT_EQ(several.obstacles.size(), one.obstacles.size()) << threads;
+    for (std::size_t i = 0; i < one.obstacles.size(); ++i)
+      EXPECT_EQ(several.obstacles[i].x_m, one.obstacles[i].x_m) << threads;
+  }
 }
 
 TEST(Detector, ReadsRowsWithAStride) {
@@ -205,6 +211,28 @@ TEST(Detector, WorksBesideOthersAndPairAfterPair) {
   }
 }
 
+TEST(DetectorDeathTest, AUseDuringAnotherIsAFaultOfTheProgram) {
+#ifdef NDEBUG
+  GTEST_SKIP() << "this build has no assertions, which alone tell it";
+#else
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // the detector has worker threads
+  const Board board;
+  Detector detector(camera());
+  const MotionSource during = [&] {
+    detector.reset();
+    return std::optional<PlanarMotion>();
+  };
+  EXPECT_DEATH(detector.process(board.pair(), during), "must not be used from two threads at once");
+#endif
+}
+
+TEST(Detector, MayBeUsedAgainAfterAPairThatItRefused) {
+  const Board board;
+  Detector detector(camera());
+  EXPECT_THROW(detector.process({}), InputError);
+  EXPECT_FALSE(detector.process(board.pair()).obstacles.empty());
+}
+
 TEST(Detector, StartsAnewAfterAReset) {
   const Board board;
   Detector detector(camera());
@@ -220,6 +248,7 @@ TEST(Detector, FindsTheSameWithoutIntermediateResults) {
   const Board board;
   const DetectionSummary light = Detector(camera()).find(board.pair());
   const Detection whole = Detector(camera()).process(board.pair());
+  ASSERT_FALSE(light.obstacles.empty());
   ASSERT_EQ(light.obstacles.size(), whole.obstacles.size());
   EXPECT_EQ(light.obstacles[0].x_m, whole.obstacles[0].x_m);
   EXPECT_EQ(light.pedestrians.size(), whole.pedestrians.size());

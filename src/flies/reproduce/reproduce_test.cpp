@@ -150,7 +150,9 @@ TEST(MeasurePerson, LeavesOutFliesAtOtherThings) {
   for (double x_m = 3.0; x_m < 46.0; x_m += 0.2)
     for (int k = 0; k < MatchOptions{}.min_lidar_points; ++k)
       person.others.push_back({x_m, x_m * person.near.y_m / person.near.x_m});
-  for (const auto& run : measure_person(frame.images.view(), frame.camera, person, few_seeds()).runs) {
+  const auto experiment = measure_person(frame.images.view(), frame.camera, person, few_seeds());
+  ASSERT_EQ(experiment.runs.size(), 3u);
+  for (const auto& run : experiment.runs) {
     ASSERT_TRUE(run.rms_louchet_alone_m && run.rms_louchet_m);
     // A fly at the person is within the radius at its own range, which the radius itself may add to.
     const double radius_m = MatchOptions{}.radius_at_m(1.2 * person.range_m());
@@ -185,6 +187,7 @@ class Report : public ::testing::Test {
 };
 
 TEST_F(Report, HasARowForEveryMeasureAndAPictureForEveryFigure) {
+  ASSERT_FALSE(experiment_rows().empty());
   EXPECT_EQ(sets()[0].result.rows.size(), experiment_rows().size());
   std::vector<std::string> numbers;
   for (const auto& figure : sets()[0].figures) {
@@ -226,6 +229,8 @@ TEST_F(Report, GivesTheSameNumbersAsJson) {
 TEST_F(Report, RepeatsItselfWithTheSameSeeds) {
   const FrameSet set{"again", "", {person_ahead()}};
   const auto first = reproduce(set, options()), second = reproduce(set, options());
+  ASSERT_EQ(first.rows.size(), experiment_rows().size());
+  ASSERT_EQ(second.rows.size(), experiment_rows().size());
   for (std::size_t i = 0; i < first.rows.size(); ++i) {
     const auto &a = first.rows[i], &b = second.rows[i];
     ASSERT_EQ(a.has_value(), b.has_value());

@@ -37,11 +37,15 @@ double median(const std::vector<Value>& values, double (*of)(const Value&)) {
 
 double blur_of(const BoardPair& pair) { return std::max(pair.left.blur_px, pair.right.blur_px); }
 
+std::string first_reason(const std::vector<DroppedView>& dropped) {
+  return dropped.empty() ? "" : fmt::format(", first {} ({})", dropped.front().name, dropped.front().reason);
+}
+
 void require_views(const RigReport& report, const std::string& state) {
   if (report.used.size() >= kLeastViews) return;
   throw InputError(kSource, "views",
-                   fmt::format("{} {} left, {} dropped, expected at least {}", report.used.size(), state,
-                               report.dropped.size(), kLeastViews));
+                   fmt::format("{} {} left, expected at least {}; {} dropped{}", report.used.size(), state, kLeastViews,
+                               report.dropped.size(), first_reason(report.dropped)));
 }
 
 void drop_poor_views(RigReport& report) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include "flies/core/pair_check.hpp"
@@ -276,7 +277,10 @@ std::optional<std::string> mount_note(const MountFinding& finding) {
       seen.height_m, tilt(seen.pitch_rad), tilt(seen.roll_rad), told.height_m, tilt(told.pitch_rad),
       tilt(told.roll_rad), seen.height_m, tilt(seen.pitch_rad), tilt(seen.roll_rad));
   // All ranges grow with the baseline, and so does the height that the road is seen at.
-  constexpr double kMuch = 0.15;
+  constexpr double kMuch = 0.15, kNear = 0.35;
+  for (const auto& [unit, metres] : {std::pair{"centimetres", 1e-2}, std::pair{"millimetres", 1e-3}})
+    if (std::abs(seen.height_m / (told.height_m * metres) - 1.0) < kNear)
+      return note + fmt::format(". Was {:.4g} meant in {}?", told.height_m, unit);
   if (std::abs(seen.height_m / told.height_m - 1.0) > kMuch)
     note += fmt::format(
         ". If {:.2f} m was measured, the baseline or the focal length is not that of the cameras but {:.3g} times it",

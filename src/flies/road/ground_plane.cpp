@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "flies/core/matrix3.hpp"
 #include "flies/core/random.hpp"
 
 namespace flies {
@@ -24,18 +25,11 @@ double tolerance_px(const SeenPlaces& seen, const GroundPlane& plane) {
   return kInlier_px * std::max(1.0, std::abs(plane.down_px) / seen.fy_px);
 }
 
-using Matrix = std::array<std::array<double, 3>, 3>;
-
-double determinant(const Matrix& m) {
-  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-}
-
 /// @returns nothing when the matrix is singular for practical purposes
-std::optional<Matrix> inverse(const Matrix& m) {
+std::optional<Matrix3> inverse(const Matrix3& m) {
   const double d = determinant(m);
   if (!(std::abs(d) > 1e-12)) return std::nullopt;
-  Matrix result;
+  Matrix3 result;
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) {
       const std::size_t a = (j + 1) % 3, b = (j + 2) % 3, c = (i + 1) % 3, e = (i + 2) % 3;
@@ -46,7 +40,7 @@ std::optional<Matrix> inverse(const Matrix& m) {
 
 std::array<double, 3> row_of(const SeenPlace& place) { return {place.across, place.down, 1.0}; }
 
-GroundPlane times(const Matrix& m, const std::array<double, 3>& x) {
+GroundPlane times(const Matrix3& m, const std::array<double, 3>& x) {
   const auto line = [&](std::size_t i) { return m[i][0] * x[0] + m[i][1] * x[1] + m[i][2] * x[2]; };
   return {line(0), line(1), line(2)};
 }
@@ -68,7 +62,7 @@ std::optional<GroundPlane> level_plane_through(const SeenPlace& a, const SeenPla
 
 /// Normal equations of the places on a plane, with Tukey's weights.
 struct NormalEquations {
-  Matrix matrix{};
+  Matrix3 matrix{};
   std::array<double, 3> right{};
   double squares = 0.0, weight = 0.0;
 

@@ -79,7 +79,7 @@ cv::Mat features_of(const cv::Mat& gray) {
 cv::Mat largest_patch(const cv::Mat& mask) {
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(mask, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
-  cv::Mat patch = cv::Mat::zeros(mask.size(), CV_8UC1);
+  cv::Mat patch(mask.size(), CV_8UC1, cv::Scalar(0));
   if (outlines.empty()) return patch;
   const auto largest =
       std::ranges::max_element(outlines, {}, [](const auto& outline) { return cv::contourArea(outline); });

@@ -44,7 +44,9 @@ TEST(StreetSequence, IdentitiesStayAndVelocitiesAreChangesOfPlace) {
   const StreetSequence sequence(small_street(3));
   for (const double t : {0.5, 2.0, 4.0, 6.5}) {
     const auto before = sequence.scene_at(t - 0.02), here = sequence.scene_at(t), after = sequence.scene_at(t + 0.02);
-    ASSERT_EQ(before.objects.size(), after.objects.size());
+    ASSERT_FALSE(here.objects.empty());
+    ASSERT_EQ(before.objects.size(), here.objects.size());
+    ASSERT_EQ(after.objects.size(), here.objects.size());
     const VehiclePose pose = sequence.pose_at(t);
     for (std::size_t i = 0; i < here.objects.size(); ++i) {
       if (here.objects[i].kind == ObjectClass::pedestrian) continue;  // whose middle sways with the steps
@@ -64,6 +66,8 @@ TEST(StreetSequence, NobodyRunsIntoAnybody) {
     const StreetSequence sequence(small_street(seed));
     for (double t = 0.0; t <= StreetSequence::kLongest_s; t += 0.25) {
       const auto scene = sequence.scene_at(t);
+      ASSERT_GE(count(scene, ObjectClass::pedestrian), 1);
+      ASSERT_GE(count(scene, ObjectClass::car), 1);
       for (const auto& mover : scene.objects) {
         if (std::hypot(mover.vx_mps, mover.vy_mps) < 0.5 || mover.kind == ObjectClass::pedestrian) continue;
         EXPECT_GT(std::hypot(std::max(0.0, std::abs(mover.x_m) - mover.length_m / 2), mover.y_m), 0.6)

@@ -192,6 +192,9 @@ TEST(BuildScene, PutsNothingIntoEachOther) {
   options.cars = 12;
   for (options.seed = 1; options.seed <= 5; ++options.seed) {
     const auto scene = build_scene(options);
+    const auto people = std::count_if(scene.objects.begin(), scene.objects.end(),
+                                      [](const auto& object) { return object.kind == ObjectClass::pedestrian; });
+    ASSERT_GE(people, 10) << "seed " << options.seed;
     for (const auto& a : scene.objects)
       for (const auto& b : scene.objects) {
         if (&a == &b || a.kind != ObjectClass::pedestrian) continue;

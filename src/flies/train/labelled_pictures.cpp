@@ -103,7 +103,6 @@ void turn_with_picture(PictureLabels& labels, const fs::path& picture) {
 }
 
 TrainingPicture labelled(const fs::path& picture, PictureLabels labels) {
-  turn_with_picture(labels, picture);
   TrainingPicture result;
   result.path = picture.string();
   result.people = std::move(labels.people);
@@ -118,11 +117,15 @@ std::vector<TrainingPicture> read_labels(const std::vector<fs::path>& label_file
                                          const fs::path& picture_root, const Parse& parse) {
   const Pictures pictures(picture_root);
   std::vector<TrainingPicture> result;
+  PeopleCheck check;
   for (const auto& file : label_files) {
     PictureLabels labels = parse(detail::read_truth(file), file.string());
     const fs::path picture = pictures.of(file, label_root, labels.picture);
+    turn_with_picture(labels, picture);
+    check.add(labels, file.string());
     result.push_back(labelled(picture, std::move(labels)));
   }
+  check.finish();
   return result;
 }
 
@@ -151,6 +154,7 @@ std::optional<std::vector<TrainingPicture>> read_yolo(const fs::path& folder) {
   const int person = yolo_person(folder);
   for (const auto& [place, file] : label_files) pictures.of(file, folder, "");
   std::vector<TrainingPicture> result;
+  PeopleCheck check;
   for (const auto& picture : detail::files_below(folder, detail::is_image_name)) {
     const auto file = label_files.find(place_of(picture, folder));
     PictureLabels labels;
@@ -158,9 +162,11 @@ std::optional<std::vector<TrainingPicture>> read_yolo(const fs::path& folder) {
       const GrayImage image = load_gray_image(picture.string());
       labels = parse_yolo_labels(detail::read_truth(file->second), file->second.string(), person, image.width_px,
                                  image.height_px);
+      check.add(labels, file->second.string());
     }
     result.push_back(labelled(picture, std::move(labels)));
   }
+  check.finish();
   return result;
 }
 

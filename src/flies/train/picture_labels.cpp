@@ -52,7 +52,36 @@ double coordinate(const pugi::xml_node& box, const char* name, const std::string
   return detail::parse_number(detail::trimmed(box.child_value(name)), source, fmt::format("{}.bndbox.{}", field, name));
 }
 
+constexpr int kFewest = 10;  // boxes: fewer people may all sit or lie
+
 }  // namespace
+
+void PeopleCheck::add(const PictureLabels& labels, const std::string& source) {
+  const auto is_wide = [](const ImageBox& box) { return box.width_px > box.height_px; };
+  const auto wide = static_cast<int>(std::ranges::count_if(labels.people, is_wide));
+  const int odd = wide + static_cast<int>(labels.unclear.size());
+  if (wide > 0 && wide_ == 0) first_wide_ = source;
+  if (odd > 0 && odd_ == 0) first_odd_ = source;
+  people_ += static_cast<int>(labels.people.size());
+  boxes_ += static_cast<int>(labels.people.size() + labels.unclear.size());
+  wide_ += wide;
+  odd_ += odd;
+  upright_as_corners_ += labels.upright_as_corners;
+}
+
+void PeopleCheck::finish() const {
+  constexpr double kNearlyAll = 0.9, kTooMany = 0.2;  // people at the border leave the picture, a few lie
+  if (boxes_ >= kFewest && upright_as_corners_ >= kNearlyAll * boxes_ && odd_ >= kTooMany * boxes_)
+    throw InputError(first_odd_, "",
+                     fmt::format("of {} boxes of the set {} are wider than tall or leave the picture, but {} stand "
+                                 "upright as left, top, right and bottom: expected YOLO's middle, width and height",
+                                 boxes_, odd_, upright_as_corners_));
+  if (people_ >= kFewest && 2 * wide_ > people_)
+    throw InputError(first_wide_, "",
+                     fmt::format("of {} people of the set {} are wider than tall, expected people who stand: are x and "
+                                 "y, or width and height, exchanged, or the corners taken for something else?",
+                                 people_, wide_));
+}
 
 PictureLabels parse_voc_labels(std::string_view xml, const std::string& source) {
   pugi::xml_document document;
@@ -135,6 +164,8 @@ PictureLabels parse_yolo_labels(std::string_view text, const std::string& source
       (i % 2 == 1 ? across : down).push_back(share);
     }
     if (!is_polygon) {
+      const double wide_px = (across[1] - across[0]) * width_px, high_px = (down[1] - down[0]) * height_px;
+      if (wide_px > 0.0 && high_px > wide_px) ++labels.upright_as_corners;
       across = {across[0] - across[1] / 2.0, across[0] + across[1] / 2.0};
       down = {down[0] - down[1] / 2.0, down[0] + down[1] / 2.0};
     }

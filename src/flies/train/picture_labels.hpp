@@ -16,6 +16,23 @@ struct PictureLabels {
   std::vector<ImageBox> people;     ///< wholly visible
   std::vector<ImageBox> unclear;    ///< labelled as difficult, truncated or occluded; riders; crowds
   int width_px = 0, height_px = 0;  ///< of the picture, as the labels say; 0: they do not say
+  int upright_as_corners = 0;       ///< YOLO's boxes that are upright when their four numbers are two corners
+};
+
+/// Notices labels whose numbers mean something else than they are read as: over the whole set, for one box may be odd.
+class PeopleCheck {
+ public:
+  /// @param source the file that the labels of a picture are from
+  void add(const PictureLabels& labels, const std::string& source);
+
+  /// @throws InputError naming the first file with such a box when most people of ten or more are wider than tall, or
+  ///         when nearly all boxes are upright as corners but not as the middle, width and height that YOLO has
+  void finish() const;
+
+ private:
+  std::string first_wide_, first_odd_;
+  int people_ = 0, wide_ = 0;                         // to be learnt from
+  int boxes_ = 0, odd_ = 0, upright_as_corners_ = 0;  // all; wide or leaving the picture
 };
 
 /// Reads a Pascal VOC annotation. People are the objects named person, pedestrian or PASperson, in capitals or not;

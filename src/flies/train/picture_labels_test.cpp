@@ -7,6 +7,7 @@
 namespace flies {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
@@ -91,6 +92,46 @@ TEST(ParseYoloLabels, NamesTheLine) {
   EXPECT_THAT(fault("person 0.5 0.5 0.1 0.4"), HasSubstr("line 1"));
   EXPECT_EQ(parse_yolo_names("car\r\nPerson\r\n", "classes.txt"), 1);
   EXPECT_THAT(testing::error_of([] { parse_yolo_names("car\n", "classes.txt"); }), HasSubstr("names no person"));
+}
+
+/// What a set of so many pictures with these labels of YOLO is refused with.
+std::string complaint_of(const std::vector<std::string>& texts, int pictures) {
+  return testing::error_of([&] {
+    PeopleCheck check;
+    for (int i = 0; i < pictures; ++i)
+      for (const auto& text : texts) check.add(parse_yolo_labels(text, "", 0, 640, 480), "labels/" + text + ".txt");
+    check.finish();
+  });
+}
+
+TEST(PeopleCheck, RefusesCornersForMiddleAndSize) {
+  // Upright people, the one at the left of the picture upright by either reading.
+  const std::vector<std::string> corners = {"0 0.1 0.3 0.175 0.6", "0 0.3188 0.3 0.3938 0.6",
+                                            "0 0.5375 0.3 0.6125 0.6"};
+  EXPECT_THAT(complaint_of(corners, 4), AllOf(HasSubstr("labels/0 0.5375"), HasSubstr("of 12 boxes of the set 4 are"),
+                                              HasSubstr("12 stand upright"), HasSubstr("YOLO's middle, width")));
+  EXPECT_EQ(complaint_of(corners, 3), "no error") << "too few to tell";
+  EXPECT_THAT(complaint_of({"0 0.8 0.3 0.9 0.7"}, 10), HasSubstr("leave the picture"));
+}
+
+TEST(PeopleCheck, RefusesPeopleWhoAreWiderThanTall) {
+  EXPECT_THAT(complaint_of({"0 0.45 0.1375 0.3 0.075", "0 0.45 0.45 0.1 0.4", "0 0.45 0.575 0.3 0.075"}, 4),
+              AllOf(HasSubstr("labels/0 0.45 0.1375"), HasSubstr("of 12 people of the set 8 are wider than tall"),
+                    HasSubstr("exchanged")));
+  PeopleCheck check;
+  const auto exchanged = parse_voc_labels(
+      "<annotation><object><name>person</name><bndbox><xmin>144</xmin><ymin>64</ymin><xmax>288</xmax><ymax>112</ymax>"
+      "</bndbox></object></annotation>",
+      "a.xml");
+  for (int i = 0; i < 10; ++i) check.add(exchanged, "a.xml");
+  EXPECT_THAT(testing::error_of([&] { check.finish(); }), HasSubstr("a.xml: of 10 people"));
+}
+
+TEST(PeopleCheck, PassesPeopleWhoStandFillThePictureOrLieNowAndThen) {
+  EXPECT_EQ(complaint_of({"0 0.1375 0.45 0.075 0.3"}, 20), "no error");
+  EXPECT_EQ(complaint_of({"0 0.5 0.5 0.6 0.95"}, 20), "no error") << "ordered as corners, too";
+  EXPECT_EQ(complaint_of({"0 0.5 0.5 0.1 0.4", "0 0.5 0.5 0.4 0.1"}, 20), "no error");
+  EXPECT_EQ(complaint_of({"1 0.5 0.5 0.4 0.1"}, 20), "no error") << "no people";
 }
 
 TEST(ParseYoloYaml, KnowsListsAndMaps) {

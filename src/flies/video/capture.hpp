@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "flies/io/gray_image.hpp"
@@ -32,6 +34,8 @@ class Capture {
   /// @returns false when there is none any more
   virtual bool read(GrayImage& image) = 0;
   virtual double rate_hz() const = 0;  ///< pictures a second as the source says; 0: it does not say
+  /// When the driver had the last picture; nothing where it does not say. It may be by another clock: to be checked.
+  virtual std::optional<std::chrono::steady_clock::time_point> taken_at() const { return std::nullopt; }
 };
 
 /// Opens a source with OpenCV's videoio, which is loaded for it.

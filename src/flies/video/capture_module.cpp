@@ -14,7 +14,7 @@ namespace {
 
 class OpenCvCapture final : public flies::Capture {
  public:
-  explicit OpenCvCapture(const cv::VideoCapture& capture) : capture_(capture) {}
+  OpenCvCapture(const cv::VideoCapture& capture, flies::SourceKind kind) : capture_(capture), kind_(kind) {}
 
   bool read(flies::GrayImage& image) override {
     try {
@@ -47,8 +47,18 @@ class OpenCvCapture final : public flies::Capture {
     return std::isfinite(rate) && rate > 0.0 && rate <= kMost_hz ? rate : 0.0;
   }
 
+  /// OpenCV hands on what V4L2 says of the buffer, which is by the monotonic clock of Linux, as the steady clock is.
+  std::optional<std::chrono::steady_clock::time_point> taken_at() const override {
+    const double time_ms = kind_ == flies::SourceKind::device ? capture_.get(cv::CAP_PROP_POS_MSEC) : 0.0;
+    if (!(time_ms > 0.0)) return std::nullopt;
+    const std::chrono::duration<double, std::milli> since_start(time_ms);
+    return std::chrono::steady_clock::time_point(
+        std::chrono::duration_cast<std::chrono::steady_clock::duration>(since_start));
+  }
+
  private:
   cv::VideoCapture capture_;
+  flies::SourceKind kind_;
   cv::Mat picture_;
 };
 
@@ -98,7 +108,7 @@ extern "C" flies::Capture* flies_open_capture(const flies::CaptureRequest& reque
     cv::VideoCapture capture = kind == flies::SourceKind::device   ? open_device(request)
                                : kind == flies::SourceKind::stream ? open_stream(request.source)
                                                                    : open_file(request.source);
-    return capture.isOpened() ? new OpenCvCapture(capture) : nullptr;
+    return capture.isOpened() ? new OpenCvCapture(capture, kind) : nullptr;
   } catch (const std::exception&) {
     return nullptr;
   }

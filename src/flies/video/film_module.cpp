@@ -1,5 +1,6 @@
 // The module flies_video: OpenCV's videoio behind `Film`.
 #include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/videoio.hpp>
@@ -30,6 +31,7 @@ class OpenCvFilm final : public flies::FilmEncoder {
 
 extern "C" flies::FilmEncoder* flies_open_film(const std::string& path, double rate_hz, cv::Size size) {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // what FFmpeg has to say goes to standard error unasked
   try {
     for (const int code : {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')}) {
       cv::VideoWriter writer(path, cv::CAP_FFMPEG, code, rate_hz, size);

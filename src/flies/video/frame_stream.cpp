@@ -25,6 +25,7 @@ constexpr double kToldAgainAfter_s = 60;  // what keeps failing is not told ever
 constexpr double kFrozen_s = 2.0;
 constexpr double kMostPatience = 8.0;  // times `stuck_s`
 constexpr std::size_t kUsualSteps = 10;
+constexpr std::chrono::seconds kLongestTransfer{1};  // from a sensor: an older stamp is by another clock
 
 Clock::duration duration(double seconds) { return std::chrono::duration_cast<Clock::duration>(Seconds(seconds)); }
 
@@ -185,7 +186,7 @@ class Reading {
       }
       const auto arrived = Clock::now();
       if (state_->options.is_living)
-        stamp_living(frame, Seconds(arrived - began_).count());
+        stamp_living(frame, arrived);
       else
         stamp_file(frame, reader);
       if (!is_broken) watch_frozen(frame);
@@ -194,9 +195,14 @@ class Reading {
     }
   }
 
-  void stamp_living(SourceFrame& frame, double time_s) {
-    frame.time_s = time_s;
-    arrivals_s_.push_back(time_s);
+  /// The time when the picture was taken, where the source says so and it can be; else when it came.
+  void stamp_living(SourceFrame& frame, Clock::time_point arrived) {
+    frame.time_s = Seconds(arrived - began_).count();
+    if (frame.taken_at && *frame.taken_at <= arrived && arrived - *frame.taken_at < kLongestTransfer) {
+      const double taken_s = Seconds(*frame.taken_at - began_).count();
+      if (arrivals_s_.empty() || taken_s > arrivals_s_.back()) frame.time_s = taken_s;
+    }
+    arrivals_s_.push_back(frame.time_s);
     if (arrivals_s_.size() == 1) return;
     if (arrivals_s_.size() > kUsualSteps + 1) arrivals_s_.pop_front();
     frame.step_s = (arrivals_s_.back() - arrivals_s_.front()) / static_cast<double>(arrivals_s_.size() - 1);

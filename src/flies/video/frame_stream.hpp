@@ -17,7 +17,8 @@ struct SourceFrame {
   double time_s = 0;                      ///< since the stream began
   double step_s = 0;                      ///< usual time between pictures of the source; 0: not known yet
   std::optional<double> own_time_s = {};  ///< of a file that says when: since its first frame
-  std::uint64_t skipped = 0;              ///< frames of the source so far that were thrown away for newer ones
+  std::optional<std::chrono::steady_clock::time_point> taken_at = {};  ///< of a living source that says when
+  std::uint64_t skipped = 0;  ///< frames of the source so far that were thrown away for newer ones
   std::string left_name, right_name;
 };
 
@@ -55,8 +56,9 @@ struct FrameStreamCounts {
   std::uint64_t losses = 0;   ///< how often the source was gone or stuck
 };
 
-/// One source, read by a thread of its own. A file gives its frames in its own time. A living source gives the newest;
-/// when it goes away or is stuck, that is told once and it is opened anew, with pauses, until it is back.
+/// One source, read by a thread of its own. A file gives its frames in its own time. A living source gives the newest,
+/// by its own stamps or as they come; when it goes away or is stuck, that is told once and it is opened anew, with
+/// pauses, until it is back.
 class FrameStream {
  public:
   /// @param began the moment from which times count

@@ -293,6 +293,49 @@ TEST(FrameStream, LivingSourceTellsItsUsualStep) {
   EXPECT_LT(frame.step_s, frame.time_s);
 }
 
+TEST(FrameStream, StampsOfASourceCountMoreThanWhenItsFramesCome) {
+  /// Takes a frame every 10 ms by its stamps, and delivers it some ms later, now more and now less.
+  struct StampedReader final : FrameReader {
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    bool is_by_another_clock = false;
+    int next = 0;
+    bool read(SourceFrame& frame) override {
+      if (next == 12) std::this_thread::sleep_for(3s);
+      const auto taken = start + next * 10ms;
+      std::this_thread::sleep_until(taken + (next % 2 == 0 ? 8ms : 1ms));
+      frame.images.left = {1, 1, {static_cast<std::uint8_t>(next++)}};
+      frame.taken_at = is_by_another_clock ? taken - 1h : taken;
+      return true;
+    }
+    double rate_hz() const override { return 0.0; }
+  };
+  for (const bool is_by_another_clock : {false, true}) {
+    Told told;
+    FrameStream stream(
+        [&] {
+          auto reader = std::make_unique<StampedReader>();
+          reader->is_by_another_clock = is_by_another_clock;
+          return reader;
+        },
+        living_options(), told.tell(), std::chrono::steady_clock::now());
+    std::vector<double> times_s;
+    std::vector<int> levels;
+    SourceFrame frame;
+    while (levels.empty() || levels.back() < 11) {
+      ASSERT_EQ(stream.next(frame, 2s), FrameStream::Answer::frame);
+      times_s.push_back(frame.time_s);
+      levels.push_back(frame.images.left.pixels[0]);
+    }
+    for (std::size_t i = 1; i < times_s.size(); ++i) {
+      const double steps = levels[i] - levels[i - 1];
+      if (is_by_another_clock)
+        EXPECT_GT(times_s[i], times_s[i - 1]) << "as they came";
+      else
+        EXPECT_NEAR(times_s[i] - times_s[i - 1], 0.01 * steps, 1e-6);
+    }
+  }
+}
+
 TEST(FrameStream, LivingSourceGivesTheNewest) {
   Told told;
   FrameStream stream(

@@ -30,6 +30,7 @@ class CaptureReader final : public FrameReader {
   bool read(SourceFrame& frame) override {
     frame.left_name = frame.right_name = name_;
     if (!capture_->read(frame.images.left)) return false;
+    frame.taken_at = capture_->taken_at();
     if (bayer_) frame.images.left = demosaiced(std::move(frame.images.left), *bayer_);
     return true;
   }

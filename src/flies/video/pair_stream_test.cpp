@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
+#include <thread>
 #include <vector>
 
 #include "flies/core/error.hpp"
@@ -243,6 +244,27 @@ TEST_F(PairStreamTest, FolderComesInItsOwnTimes) {
   for (const auto& frame : frames) times_s.push_back(frame.time_s);
   // A damaged last pair takes its time, and a usual step lies between the rounds.
   EXPECT_THAT(times_s, Pointwise(DoubleNear(1e-9), {0.0, 0.25, 0.6, 0.85}));
+}
+
+TEST_F(PairStreamTest, PicturesOvertakenUnreadAreCountedWithEveryPair) {
+  const auto opener = [] {
+    struct Burst final : FrameReader {
+      int next = 0;
+      bool read(SourceFrame& frame) override {
+        if (next++ == 10) std::this_thread::sleep_for(3s);
+        frame.images.left = {4, 1, std::vector<std::uint8_t>(4, static_cast<std::uint8_t>(next))};
+        return true;
+      }
+      double rate_hz() const override { return 0.0; }
+    };
+    return std::make_unique<Burst>();
+  };
+  // A pipeline lives: it does not wait for who reads it.
+  PairStream stream({.sources = {"both ! x"}}, {opener}, tell());
+  std::this_thread::sleep_for(300ms);
+  StereoFrame frame;
+  ASSERT_EQ(stream.next(frame, 1s), FrameStream::Answer::frame);
+  EXPECT_EQ(frame.skipped, 7U) << "three of ten wait";
 }
 
 TEST_F(PairStreamTest, PictureOfAnotherSizeIsLeftOut) {

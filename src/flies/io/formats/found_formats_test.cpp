@@ -169,6 +169,8 @@ TEST(FoundFormats, OmnidirectionalFilesOfOpenCvNameTheirMirrors) {
       opencv_matrix("xi_2", cv::Mat_<double>(1, 1) << 1.5) + opencv_matrix("R", cv::Mat(rig.r)) +
       opencv_matrix("T", cv::Mat(rig.t));
   expect_rectifies(load_calibration(folder.write("c", text)), rig);
+  const std::string model = "camera_model: omni\ndistortion_model: radtan\n";
+  expect_rectifies(load_calibration(folder.write("c", text + model)), rig);
 }
 
 TEST(FoundFormats, LensesWithoutCoefficientsAreTakenAsFreeOfDistortion) {

@@ -85,7 +85,7 @@ Calibration read_matlab(const NumberTable& table, const CalibrationRequest& requ
   pair.stereo.left = read_camera(table, left);
   pair.stereo.right = read_camera(table, right);
   set_pose(pair.stereo, scaled(read_pose(table, prefix, pair.notes), metres_per_unit(table, prefix)));
-  const auto size = known_size(size_in_file(table, left + "ImageSize"), request, table.source);
+  const auto size = size_in_file(table, left + "ImageSize");
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   return calibration_from_raw(std::move(pair), request, table.source);

@@ -16,9 +16,11 @@ StereoCamera camera_of(double fx_px, double fy_px, double cx_px, double cy_px, d
 }
 
 /// FoundationStereo: the camera matrix and, in the next row, the baseline in metres.
-Calibration read_k_txt(const NumberTable& table, const CalibrationRequest&) {
+Calibration read_k_txt(const NumberTable& table, const CalibrationRequest& request) {
   constexpr std::size_t kCount = 10;
-  const auto& k = table.require(kBareNumbers, kCount);
+  auto k = table.require(kBareNumbers);
+  if (k.size() == kCount - 1) k.push_back(missing_baseline(request, table.source, "baseline in the second row"));
+  if (k.size() != kCount) table.require(kBareNumbers, kCount);
   if (k[1] != 0.0 || k[3] != 0.0 || k[6] != 0.0 || k[7] != 0.0 || k[8] != 1.0)
     throw InputError(table.source, kBareNumbers, "are not fx 0 cx 0 fy cy 0 0 1 and a baseline");
   Calibration calibration;
@@ -34,8 +36,10 @@ Calibration read_stereodemo(const NumberTable& table, const CalibrationRequest&)
   auto& camera = calibration.camera;
   camera = camera_of(number("fx"), number("fy"), number("cx0"), number("cy"), number("baseline_meters"));
   camera.cx_right_px = number("cx1");
-  camera.width_px = table.require_size("width");
-  camera.height_px = table.require_size("height");
+  if (table.has("width") || table.has("height")) {
+    camera.width_px = table.require_size("width");
+    camera.height_px = table.require_size("height");
+  }
   calibration.left_name = "cx0";
   calibration.right_name = "cx1";
   return calibration;

@@ -2,7 +2,10 @@
 
 #include <cctype>
 #include <map>
+#include <optional>
+#include <set>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace flies::detail {
@@ -53,18 +56,52 @@ const Words kDistortion = {"d",
 /// Behind the name of a fisheye's distortion, as Stereolabs writes it: D_LEFT_FE.
 constexpr const char* kFisheye = "fe";
 const Words kProjection = {"p", "projection", "projectionmatrix", "proj", "projmatrix", "projmat"};
-const Words kRotation = {"r",      "rotation",  "rotationmatrix", "rot",         "rotmatrix",
-                         "rmat",   "rmatrix",   "rvec",           "om",          "rotationvector",
-                         "rotvec", "rodrigues", "rotationmat",    "rotationvec", "rotationlefttoright"};
-const Words kTranslation = {
-    "t",    "translation", "translationvector", "trans",          "trns",           "transvector",
-    "tvec", "tmat",        "tvector",           "translationvec", "translationmat", "translationlefttoright"};
+const Words kRotation = {"r",
+                         "rotation",
+                         "rotationmatrix",
+                         "rot",
+                         "rotmatrix",
+                         "rmat",
+                         "rmatrix",
+                         "rvec",
+                         "om",
+                         "rotationvector",
+                         "rotvec",
+                         "rodrigues",
+                         "rotationmat",
+                         "rotationvec",
+                         "rotationlefttoright",
+                         "rotationofcamera2"};
+const Words kTranslation = {"t",
+                            "translation",
+                            "translationvector",
+                            "trans",
+                            "trns",
+                            "transvector",
+                            "tvec",
+                            "tmat",
+                            "tvector",
+                            "translationvec",
+                            "translationmat",
+                            "translationlefttoright",
+                            "translationofcamera2"};
 const Words kPose = {"rt", "pose", "extrinsics", "extrinsic", "extrinsicmatrix", "transform", "transformation"};
 const Words kOfBoth = {"", "stereo", "extrinsics", "extrinsic", "stereoparams", "camera2", "cam2"};
 const Words kSize = {"imagesize", "imgsize", "size", "resolution", "imageresolution"};
+const Words kShape = {"imageshape", "imgshape", "shape"};  // of a NumPy array: rows, columns
+const Words kReprojection = {"q", "qmatrix", "disparitytodepth", "disparitytodepthmatrix", "reprojectionmatrix"};
 const std::vector<Pair> kWidthHeight = {{"imagewidth", "imageheight"},         {"width", "height"},
                                         {"imagesizewidth", "imagesizeheight"}, {"imgwidth", "imgheight"},
                                         {"sizewidth", "sizeheight"},           {"resolutionwidth", "resolutionheight"}};
+
+/// Letters and digits, small.
+std::string plain_letters(const std::string& key) {
+  std::string plain;
+  for (const char c : key)
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return plain;
+}
 
 /// The keys of a file by their letters and digits, small.
 class Keys {
@@ -73,11 +110,7 @@ class Keys {
   Keys(const NumberTable& table, bool single) {
     for (const auto& [key, entry] : table.entries) {
       if ((entry.numbers.size() == 1) != single) continue;
-      std::string plain;
-      for (const char c : key)
-        if (std::isalnum(static_cast<unsigned char>(c)))
-          plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      keys_.emplace(plain, key);
+      keys_.emplace(plain_letters(key), key);
     }
   }
   std::string find(const std::string& plain) const {
@@ -142,7 +175,12 @@ OpenCvNames opencv_names(const NumberTable& table) {
   names.has_pose = !names.pose.empty() || (!rotation.empty() && !translation.empty());
   names.rotation = or_else(rotation, "R");
   names.translation = or_else(translation, "T");
+  names.is_of_matlab = !translation.empty() && translation == keys.find_first(kOfBoth, {"translationofcamera2"});
   names.size = keys.find_first({""}, kSize);
+  names.is_rows_first = names.is_of_matlab || names.size.empty();
+  if (names.size.empty()) names.size = keys.find_first({""}, kShape);
+  if (!names.has_matrices && !names.has_projections && !names.has_pose)
+    names.reprojection = keys.find_first({"", "stereo"}, kReprojection);
   for (const auto& [width, height] : kWidthHeight) {
     const Pair found = {single.find(width), single.find(height)};
     if (!has_any(found)) continue;
@@ -150,6 +188,33 @@ OpenCvNames opencv_names(const NumberTable& table) {
     break;
   }
   return names;
+}
+
+NumberTable without_common_prefix(const NumberTable& table) {
+  const auto names_both = [](const NumberTable& of) {
+    const auto names = opencv_names(of);
+    const auto has = [&](const Pair& pair) { return of.has(pair[0]) && of.has(pair[1]); };
+    return has(names.matrices) || has(names.projections);
+  };
+  if (names_both(table)) return table;
+  std::set<std::string> prefixes;
+  constexpr std::size_t kMost = 100;  // of a file of calibrations no other has
+  for (const auto& [key, entry] : table.entries)
+    for (auto dot = key.find('.'); dot != std::string::npos && prefixes.size() < kMost; dot = key.find('.', dot + 1))
+      prefixes.insert(key.substr(0, dot + 1));
+  std::optional<NumberTable> found;
+  for (const auto& prefix : prefixes) {
+    NumberTable inner{table.source, {}};
+    for (const auto& [key, entry] : table.entries)
+      if (key.starts_with(prefix)) inner.entries.emplace(key.substr(prefix.size()), entry);
+    if (!names_both(inner)) continue;
+    if (found) return table;  // two pairs, and nothing says which is meant
+    inner.entries.insert(table.entries.begin(), table.entries.end());
+    if (plain_letters(prefix).find("fisheye") != std::string::npos)
+      inner.entries.try_emplace("distortion_model", NumberEntry{{}, "fisheye"});
+    found = std::move(inner);
+  }
+  return found.value_or(table);
 }
 
 }  // namespace flies::detail

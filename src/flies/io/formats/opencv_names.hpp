@@ -19,12 +19,20 @@ struct OpenCvNames {
   std::string size;                   ///< a list: width, height; empty where the file has none
   std::array<std::string, 2> sides;   ///< width and height, one each; empty where the file has neither
 
+  std::string reprojection;  ///< Q, where it stands alone; empty otherwise
+
   bool has_matrices = false;     ///< of one camera at least
   bool has_projections = false;  ///< likewise
   bool are_fisheyes = false;     ///< as the names of the distortions say
   bool has_pose = false;         ///< rotation and translation, in one matrix or two
+  bool is_rows_first = false;    ///< the size is a list: height, width
+  bool is_of_matlab = false;     ///< the names are those of MATLAB's stereoParametersToOpenCV
 };
 
 OpenCvNames opencv_names(const NumberTable& table);
+
+/// The file without what stands before the names of both cameras, as in `stereo.left.K`; as it is where nothing does. A
+/// name in front that says `fisheye` is kept as the model of the lens.
+NumberTable without_common_prefix(const NumberTable& table);
 
 }  // namespace flies::detail

@@ -26,7 +26,7 @@ RawCamera read_camera(const NumberTable& table, const std::string& prefix, Lens 
 }
 
 /// Images that are rectified already: one camera and a baseline.
-Calibration read_rectified(const NumberTable& table, const std::string& prefix) {
+Calibration read_rectified(const NumberTable& table, const std::string& prefix, const CalibrationRequest& request) {
   const RawCamera raw = read_camera(table, prefix, Lens::brown);
   Calibration calibration;
   auto& camera = calibration.camera;
@@ -37,7 +37,8 @@ Calibration read_rectified(const NumberTable& table, const std::string& prefix) 
   if (table.has("Stereo.b")) {
     camera.baseline_m = table.require_number("Stereo.b");
   } else {
-    const double fx_baseline = table.require_number("Camera.bf");
+    const double fx_baseline = table.has("Camera.bf") ? table.require_number("Camera.bf")
+                                                      : missing_baseline(request, table.source, "Camera.bf");
     if (camera.fx_px == 0.0) throw InputError(table.source, prefix + "fx", "found 0, expected a focal length");
     camera.baseline_m = fx_baseline / camera.fx_px;
   }
@@ -104,7 +105,7 @@ Calibration read_views(const NumberTable& table, const CalibrationRequest& reque
   pair.stereo.left = left.camera;
   pair.stereo.right = right.camera;
   set_pose(pair.stereo, pose_of_views(left, right));
-  const auto size = known_size(size_of_views(table), request, table.source);
+  const auto size = size_of_views(table);
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   return calibration_from_raw(std::move(pair), request, table.source);
@@ -115,13 +116,13 @@ Calibration read_orb_slam(const NumberTable& table, const CalibrationRequest& re
   const bool is_third = table.has("Camera1.fx");
   const std::string left = is_third ? "Camera1." : "Camera.", type = table.word("Camera.type");
   const std::string pose_key = table.has("Stereo.T_c1_c2") ? "Stereo.T_c1_c2" : "Tlr";
-  if (type == "rectified" || !table.has(pose_key)) return read_rectified(table, left);
+  if (type == "rectified" || !table.has(pose_key)) return read_rectified(table, left, request);
   const Lens lens = lens_of(type, "Camera.type", table.source);
   RawPair pair{{}, left + "fx", "Camera2.fx", pose_key};
   pair.stereo.left = read_camera(table, left, lens);
   pair.stereo.right = read_camera(table, "Camera2.", lens);
   set_pose(pair.stereo, inverse(pose_of(table, pose_key, pair.notes)));
-  const auto size = known_size(size_of(table), request, table.source);
+  const auto size = size_of(table);
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
   return calibration_from_raw(std::move(pair), request, table.source);

@@ -1,6 +1,7 @@
 #include "flies/io/formats/raw_pair.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,96 +12,10 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/plausible.hpp"
+#include "flies/io/formats/raw_checks.hpp"
 
 namespace flies::detail {
 namespace {
-
-struct NamedLens {
-  const char* name;
-  Lens lens;
-};
-
-/// As ROS, Kalibr, EuRoC, ORB-SLAM, Basalt and OpenCV's users write them.
-constexpr NamedLens kLenses[] = {{"", Lens::brown},
-                                 {"none", Lens::brown},
-                                 {"pinhole", Lens::brown},
-                                 {"perspective", Lens::brown},
-                                 {"plumb_bob", Lens::brown},
-                                 {"radtan", Lens::brown},
-                                 {"radial-tangential", Lens::brown},
-                                 {"radialtangential", Lens::brown},
-                                 {"radialtangential8", Lens::brown},
-                                 {"rational_polynomial", Lens::brown},
-                                 {"thin_prism", Lens::brown},
-                                 {"brown", Lens::brown},
-                                 {"brown_conrady", Lens::brown},
-                                 {"pinhole-radtan8", Lens::brown},
-                                 {"equidistant", Lens::equidistant},
-                                 {"equi", Lens::equidistant},
-                                 {"fisheye", Lens::equidistant},
-                                 {"kb4", Lens::equidistant},
-                                 {"kannala_brandt", Lens::equidistant},
-                                 {"kannala-brandt", Lens::equidistant},
-                                 {"kannalabrandt", Lens::equidistant},
-                                 {"kannalabrandt4", Lens::equidistant},
-                                 {"kannalabrandt8", Lens::equidistant},
-                                 {"ds", Lens::double_sphere},
-                                 {"double_sphere", Lens::double_sphere},
-                                 {"eucm", Lens::unified},
-                                 {"ucm", Lens::unified},
-                                 {"omni", Lens::mei},
-                                 {"mei", Lens::mei},
-                                 {"fov", Lens::fov}};
-
-std::vector<std::size_t> allowed_counts(Lens lens) {
-  switch (lens) {
-    case Lens::equidistant:
-      return {4};
-    case Lens::double_sphere:
-    case Lens::unified:
-      return {2};
-    case Lens::mei:
-      return {1, 5};
-    case Lens::fov:
-      return {1};
-    case Lens::brown:
-      break;
-  }
-  return {4, 5, 8, 12, 14};
-}
-
-void check_distortion(const RawCamera& camera, const std::string& key, const std::string& source) {
-  const auto counts = allowed_counts(camera.lens);
-  if (std::find(counts.begin(), counts.end(), camera.distortion.size()) != counts.end()) return;
-  throw InputError(source, key,
-                   fmt::format("found {} coefficients of distortion, expected {} for the {} model",
-                               camera.distortion.size(), fmt::join(counts, " or "), lens_name(camera.lens)));
-}
-
-/// What a camera says that a lens of the radial and tangential model hardly can: a file that does not name the model of
-/// a fisheye's four coefficients, or another order of the coefficients. Empty when there is nothing to say.
-std::string note_on_lens(const RawCamera& camera, const std::string& key, int width_px, int height_px) {
-  if (camera.lens != Lens::brown) return {};
-  // Beyond it, 58 degrees from the axis were the lens without distortion, pinholes with lenses end; and tangential
-  // coefficients are the few thousandths by which a lens stands askew.
-  constexpr double kWidestPinhole = 1.6, kMostTangential = 0.02;
-  const auto& m = camera.matrix;
-  const double corner = std::hypot(0.5 * width_px / m[0], 0.5 * height_px / m[4]);
-  const auto& d = camera.distortion;
-  const bool is_bent = std::ranges::any_of(d, [](double coefficient) { return coefficient != 0.0; });
-  std::string odd;
-  if (is_bent && corner > kWidestPinhole)
-    odd = fmt::format("a view of {:.0f} degrees from corner to corner",
-                      2.0 * std::atan(corner) * 180.0 / std::numbers::pi);
-  for (const std::size_t tangential : {2U, 3U})
-    if (odd.empty() && d.size() > tangential && std::abs(d[tangential]) > kMostTangential)
-      odd = fmt::format("a tangential coefficient p{} of {:.3g}", tangential - 1, d[tangential]);
-  if (odd.empty()) return {};
-  return fmt::format(
-      "{}: {} is improbable for the {} model: is it a fisheye lens (distortion_model: equidistant), or are the "
-      "coefficients in another order than k1 k2 p1 p2 k3?",
-      key, odd, lens_name(camera.lens));
-}
 
 /// The camera matrix of images that were resized.
 void scale(RawCamera& camera, ImageScale by) {
@@ -112,44 +27,107 @@ void scale(RawCamera& camera, ImageScale by) {
   m[5] = scaled_centre_px(m[5], by.down);
 }
 
-void check(const RawPair& pair, const std::string& source) {
-  const RawCamera &left = pair.stereo.left, &right = pair.stereo.right;
-  check_camera_matrix(left.matrix, source, pair.left_key);
-  check_camera_matrix(right.matrix, source, pair.right_key);
-  check_rotation(pair.stereo.rotation, source, pair.pose_key);
-  if (std::ranges::all_of(pair.stereo.translation_m, [](double t) { return t == 0.0; }))
-    throw InputError(source, "baseline",
-                     fmt::format("found 0 m: both cameras stand in one place ({}, {})", pair.left_key, pair.right_key));
-  check_distortion(left, pair.left_key, source);
-  check_distortion(right, pair.right_key, source);
-  if (left.lens != right.lens)
-    throw InputError(source, pair.right_key,
-                     fmt::format("found a lens of the {} model, and {} has the {} one, expected the same",
-                                 lens_name(right.lens), pair.left_key, lens_name(left.lens)));
-  if (pair.stereo.width_px == 0 || pair.stereo.height_px == 0)
+/// The camera as one of rectified images: its matrix and the size of the pair.
+StereoCamera rectified_of(const RawCamera& camera, const RawStereo& raw) {
+  const auto& m = camera.matrix;
+  StereoCamera result;
+  result.fx_px = m[0];
+  result.fy_px = m[4];
+  result.cx_px = result.cx_right_px = m[2];
+  result.cy_px = m[5];
+  result.width_px = raw.width_px;
+  result.height_px = raw.height_px;
+  return result;
+}
+
+/// The size of a file without one: what the user said, what the principal point tells, or that of the images.
+ImageSize size_of_unsized_pair(const RawStereo& raw, const CalibrationRequest& request, const std::string& source,
+                               std::vector<std::string>& notes) {
+  if (request.calibrated_width_px > 0) return {request.calibrated_width_px, request.calibrated_height_px};
+  if (request.images_are_resized)
+    throw InputError(source, "image size", "is not in the file: say what the images were resized from (--calib-size)");
+  if (request.width_px == 0 || request.height_px == 0)
     throw InputError(source, "image_width, image_height", "are missing, and rectifying needs the size of the images");
+  const StereoCamera left = rectified_of(raw.left, raw);
+  if (const auto deduced = size_of_unsized(left, request.width_px, request.height_px)) {
+    notes.push_back(note_on_deduced_size(left.cx_px, left.cy_px, (*deduced)[0], (*deduced)[1]));
+    return {(*deduced)[0], (*deduced)[1]};
+  }
+  check_size_of_unsized(left, request.width_px, request.height_px, source);
+  check_camera_fits(left, request.width_px, request.height_px, source);
+  return {request.width_px, request.height_px};
+}
+
+/// Sees to it that the pair has a size, and not width for height.
+void settle_size(RawStereo& raw, const CalibrationRequest& request, const std::string& source,
+                 std::vector<std::string>& notes) {
+  if (raw.width_px == 0 || raw.height_px == 0) {
+    const auto [width_px, height_px] = size_of_unsized_pair(raw, request, source, notes);
+    raw.width_px = width_px;
+    raw.height_px = height_px;
+  }
+  if (!has_exchanged_size(rectified_of(raw.left, raw), request.width_px, request.height_px)) return;
+  std::swap(raw.width_px, raw.height_px);
+  notes.push_back(note_on_exchanged_size(raw.width_px, raw.height_px));
+}
+
+/// What is improbable, and yet read, of the cameras.
+std::vector<std::string> notes_on(const RawPair& pair, const std::string& source) {
+  const auto& raw = pair.stereo;
+  std::vector<std::string> notes;
+  if (auto note = check_turn(raw.rotation, source, pair.pose_key); !note.empty()) notes.push_back(std::move(note));
+  for (const auto& [camera, key] : {std::pair{&raw.left, &pair.left_key}, std::pair{&raw.right, &pair.right_key}}) {
+    const StereoCamera rectified = rectified_of(*camera, raw);
+    for (const auto& note : check_focal_length(rectified, source, *key, camera->lens != Lens::brown))
+      notes.push_back(*key + ": " + note);
+    if (auto note = note_on_skew(*camera, *key); !note.empty()) notes.push_back(std::move(note));
+  }
+  for (const auto& [camera, key] : {std::pair{&raw.left, &pair.left_key}, std::pair{&raw.right, &pair.right_key}})
+    if (auto note = note_on_lens(*camera, *key, raw.width_px, raw.height_px); !note.empty()) {
+      notes.push_back(std::move(note));
+      break;  // both have the same lens
+    }
+  for (const auto& [camera, key] : {std::pair{&raw.left, &pair.left_key}, std::pair{&raw.right, &pair.right_key}})
+    if (const auto note =
+            check_principal_point(camera->matrix[2], camera->matrix[5], raw.width_px, raw.height_px, source, *key))
+      notes.push_back(*key + ": " + *note);
+  return notes;
+}
+
+/// Coefficients that are left out are 0.
+void complete_distortion(RawPair& pair) {
+  constexpr std::size_t kAll = 5, kRadial = 2, kFewest = 4;
+  for (RawCamera* camera : {&pair.stereo.left, &pair.stereo.right}) {
+    auto& d = camera->distortion;
+    if (camera->lens != Lens::brown || (!d.empty() && d.size() != kRadial)) continue;
+    if (d.size() == kRadial && camera == &pair.stereo.left)
+      pair.notes.push_back(pair.left_distortion() + " is read as a pair of radial coefficients, k1 and k2");
+    d.resize(d.empty() ? kAll : kFewest, 0.0);
+  }
+}
+
+/// @throws InputError with what was noted before, which often says why there is no rectification
+Rectifier rectifier_of(const RawStereo& raw, const std::string& source, const std::vector<std::string>& notes) {
+  try {
+    return Rectifier(raw, source);
+  } catch (const InputError& error) {
+    if (notes.empty()) throw;
+    const std::string message = error.what();
+    const std::string complaint = message.starts_with(source + ": ") ? message.substr(source.size() + 2) : message;
+    throw InputError(source, "", fmt::format("{}; {}", complaint, fmt::join(notes, "; ")));
+  }
 }
 
 }  // namespace
 
 Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request, const std::string& source) {
   auto& raw = pair.stereo;
-  for (RawCamera* camera : {&raw.left, &raw.right})
-    if (camera->lens == Lens::brown && camera->distortion.empty()) camera->distortion.assign(5, 0.0);
-  check(pair, source);
+  complete_distortion(pair);
+  check_raw_pair(pair, source);
+  settle_size(raw, request, source, pair.notes);
   Calibration calibration;
   calibration.notes = std::move(pair.notes);
-  if (auto note = check_turn(raw.rotation, source, pair.pose_key); !note.empty())
-    calibration.notes.push_back(std::move(note));
-  for (const auto& [camera, key] : {std::pair{&raw.left, &pair.left_key}, std::pair{&raw.right, &pair.right_key}})
-    if (auto note = note_on_lens(*camera, *key, raw.width_px, raw.height_px); !note.empty()) {
-      calibration.notes.push_back(std::move(note));
-      break;  // both have the same lens
-    }
-  for (const auto& [camera, key] : {std::pair{&raw.left, &pair.left_key}, std::pair{&raw.right, &pair.right_key}})
-    if (const auto note =
-            check_principal_point(camera->matrix[2], camera->matrix[5], raw.width_px, raw.height_px, source, *key))
-      calibration.notes.push_back(*key + ": " + *note);
+  for (auto& note : notes_on(pair, source)) calibration.notes.push_back(std::move(note));
   const auto by = scale_to_images(raw.width_px, raw.height_px, request);
   if (by && (raw.width_px != request.width_px || raw.height_px != request.height_px)) {
     calibration.notes.push_back(note_on_scale(raw.width_px, raw.height_px, *by, request));
@@ -158,7 +136,7 @@ Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request
     raw.width_px = request.width_px;
     raw.height_px = request.height_px;
   }
-  calibration.rectifier.emplace(raw, source);
+  calibration.rectifier = rectifier_of(raw, source, calibration.notes);
   calibration.camera = calibration.rectifier->camera();
   calibration.left_name = pair.left_key;
   calibration.right_name = pair.right_key;
@@ -199,23 +177,17 @@ std::vector<double> coefficients_of(const NumberTable& table, const std::string&
   return values;
 }
 
-Lens lens_of(const std::string& word, const std::string& key, const std::string& source) {
-  const auto* found =
-      std::find_if(std::begin(kLenses), std::end(kLenses), [&](const NamedLens& lens) { return word == lens.name; });
-  if (found != std::end(kLenses)) return found->lens;
-  throw InputError(source, key,
-                   fmt::format("found '{}', expected plumb_bob, radtan, rational_polynomial, equidistant, fisheye, ds, "
-                               "eucm, omni or fov",
-                               word));
-}
-
 ImageSize size_of_list(const NumberTable& table, const std::string& key) {
-  const auto& size = table.require(key, 2);
+  constexpr std::size_t kShape = 3;  // of a NumPy array: rows, columns, colours
+  const auto& found = table.require(key);
+  const bool is_shape = found.size() == kShape && (found[2] == 1.0 || found[2] == 3.0 || found[2] == 4.0);
+  const auto& size = is_shape ? found : table.require(key, 2);
   const auto pixels = [&](double number) {
     NumberTable one{table.source, {}};
     one.entries[key].numbers = {number};
     return one.require_size(key);
   };
+  if (is_shape) return {pixels(size[1]), pixels(size[0])};
   return {pixels(size[0]), pixels(size[1])};
 }
 
@@ -243,14 +215,6 @@ void check_same_size(ImageSize left, ImageSize right, const std::string& source,
   throw InputError(source, key,
                    fmt::format("found {} x {} px, expected {} x {} px as for the left camera", right.width_px,
                                right.height_px, left.width_px, left.height_px));
-}
-
-ImageSize known_size(ImageSize of_file, const CalibrationRequest& request, const std::string& source) {
-  if (of_file.width_px > 0) return of_file;
-  if (request.calibrated_width_px > 0) return {request.calibrated_width_px, request.calibrated_height_px};
-  if (request.images_are_resized)
-    throw InputError(source, "image size", "is not in the file: say what the images were resized from (--calib-size)");
-  return {request.width_px, request.height_px};
 }
 
 Pose pose_of_views(const RectifiedView& left, const RectifiedView& right) {

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "flies/io/calibration_formats.hpp"
+#include "flies/io/formats/lens_names.hpp"
 #include "flies/io/formats/pose_reading.hpp"
 #include "flies/io/rectifier.hpp"
 
@@ -15,9 +17,16 @@ struct RawPair {
   std::string left_key, right_key;      ///< "cam0", "M1", ...
   std::string pose_key;                 ///< "T_cn_cnm1", "R", ...
   std::vector<std::string> notes = {};  ///< on how they were read
+  /// Those of the coefficients of left and right; empty where they are below the keys above.
+  std::array<std::string, 2> distortion_keys = {};
+
+  const std::string& left_distortion() const { return distortion_keys[0].empty() ? left_key : distortion_keys[0]; }
+  const std::string& right_distortion() const { return distortion_keys[1].empty() ? right_key : distortion_keys[1]; }
 };
 
 /// The camera that sees the rectified images, and what rectifies them; scaled to the images that are asked for.
+/// @param pair with 0 x 0 where the file has no size: it is that which the user says, which the principal point tells,
+///             or that of the images
 /// @throws InputError when matrix, distortion or pose cannot be, when the lenses differ, or when no size is known
 Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request, const std::string& source);
 
@@ -35,19 +44,12 @@ std::array<double, 9> matrix_of(const NumberTable& table, const std::string& key
 std::vector<double> coefficients_of(const NumberTable& table, const std::string& prefix,
                                     std::initializer_list<const char*> names, std::size_t least = 4);
 
-/// The lens that a word names: "radtan", "plumb_bob", "equidistant", "kannalabrandt8", "ds", ...
-/// @param key where the word stands
-/// @throws InputError when no model has that name
-Lens lens_of(const std::string& word, const std::string& key, const std::string& source);
-
 /// The size in `width` and `height`, or nothing, 0 x 0, when the file has neither.
 struct ImageSize {
   int width_px = 0, height_px = 0;
 };
-ImageSize size_of_list(const NumberTable& table, const std::string& key);  ///< of a list: width, height
-/// The size of the file, else the one that the user gave for it, else that of the images.
-/// @throws InputError when that of the images is not that of the file, which was resized
-ImageSize known_size(ImageSize of_file, const CalibrationRequest& request, const std::string& source);
+/// Of a list: width, height; or the shape of a NumPy array: height, width, 1, 3 or 4.
+ImageSize size_of_list(const NumberTable& table, const std::string& key);
 
 /// Which of the sizes that a file has numbers for images of the request's size are of: theirs, the one that the user
 /// says, or one that they were resized from by one scale; the first when no size is asked for.

@@ -78,9 +78,8 @@ Calibration read_vins(const NumberTable& table, const CalibrationRequest& reques
   set_pose(pair.stereo, chained(inverse(body_from_right), body_from_left));
   const auto of_left = size_of(left, table), of_right = size_of(right, table);
   check_same_size(of_left, of_right, right.source, "image_width, image_height");
-  const auto size = known_size(of_left, request, table.source);
-  pair.stereo.width_px = size.width_px;
-  pair.stereo.height_px = size.height_px;
+  pair.stereo.width_px = of_left.width_px;
+  pair.stereo.height_px = of_left.height_px;
   return calibration_from_raw(std::move(pair), request, table.source);
 }
 

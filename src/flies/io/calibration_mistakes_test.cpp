@@ -1,0 +1,199 @@
+// Calibrations with the mistakes that people make: another unit, another size, width for height, a baseline left out.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "flies/io/calibration.hpp"
+#include "flies/io/formats/rig_texts.hpp"
+#include "flies/io/temporary_folder.hpp"
+
+namespace flies {
+namespace {
+
+using flies::testing::error_of;
+using flies::testing::expect_rectifies;
+using flies::testing::list;
+using flies::testing::numbers;
+using flies::testing::rows;
+using flies::testing::TemporaryFolder;
+using flies::testing::ToyRig;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+CalibrationRequest for_images(int width_px, int height_px) {
+  CalibrationRequest request;
+  request.width_px = width_px;
+  request.height_px = height_px;
+  return request;
+}
+
+CalibrationRequest with_baseline(double baseline_m) {
+  CalibrationRequest request = for_images(640, 480);
+  request.baseline_m = baseline_m;
+  return request;
+}
+
+/// @param more the size of the images, or another key
+std::string raw(const ToyRig& rig, const std::string& more) {
+  return "M1: " + rows(cv::Mat(rig.m1)) + "\nM2: " + rows(cv::Mat(rig.m2)) + "\nD1: " + list(rig.d1) +
+         "\nD2: " + list(rig.d2) + "\nR: " + rows(cv::Mat(rig.r)) + "\nT: " + list(numbers(cv::Mat(rig.t))) + "\n" +
+         more;
+}
+
+const std::string kSize = "image_width: 640\nimage_height: 480\n";
+
+Calibration load(const std::string& text, const CalibrationRequest& request = {}) {
+  const TemporaryFolder folder;
+  return load_calibration(folder.write("c", text), request);
+}
+
+std::string fault_of(const std::string& text, const CalibrationRequest& request = {}) {
+  return error_of([&] { load(text, request); });
+}
+
+TEST(Mistakes, FocalLengthsOfRawCamerasInAnotherUnitAreRefused) {
+  ToyRig rig;
+  for (const double focal : {4.0, 0.61}) {
+    rig.m2(0, 0) = rig.m2(1, 1) = focal;
+    EXPECT_THAT(fault_of(raw(rig, kSize)), AllOf(HasSubstr("M2: found"), HasSubstr("millimetres, or normalised")));
+  }
+  rig = ToyRig();
+  rig.m1(0, 0) *= 2.0;
+  EXPECT_THAT(load(raw(rig, kSize)).notes, Contains(HasSubstr("M1: the focal length across is 2 times that down")));
+  EXPECT_THAT(load(raw(ToyRig(), kSize)).notes, Not(Contains(HasSubstr("focal length"))));
+}
+
+TEST(Mistakes, RawCamerasOfMorePixelsThanMemoryHoldsAreRefused) {
+  ToyRig rig;
+  for (cv::Matx33d* m : {&rig.m1, &rig.m2}) {
+    (*m)(0, 0) = (*m)(1, 1) = 12600.0;
+    (*m)(0, 2) = (*m)(1, 2) = 10000.0;
+  }
+  EXPECT_THAT(fault_of(raw(rig, "image_width: 20000\nimage_height: 20000\n")),
+              HasSubstr("image size: found 20000 x 20000 px, expected at most 67 million pixels"));
+}
+
+TEST(Mistakes, FisheyesMayHaveShortFocalLengthsAndNotAnyone) {
+  ToyRig rig = ToyRig::fisheye();
+  const std::string model = "distortion_model: equidistant\n";
+  for (cv::Matx33d* m : {&rig.m1, &rig.m2}) (*m)(0, 0) = (*m)(1, 1) = 130.0;
+  EXPECT_THAT(load(raw(rig, kSize + model)).notes, Not(Contains(HasSubstr("M1: the focal length"))));
+  rig.m1(0, 0) = rig.m1(1, 1) = 4.0;
+  EXPECT_THAT(fault_of(raw(rig, kSize + model)), HasSubstr("M1: found 4 px"));
+}
+
+TEST(Mistakes, RawCamerasWithoutASizeAreScaledToHalfImagesOrAskForIt) {
+  const std::string text = raw(ToyRig(), "");
+  const auto half = load(text, for_images(320, 240));
+  EXPECT_DOUBLE_EQ(half.rectifier->raw().left.matrix[0], 210.0);
+  EXPECT_EQ(half.camera.width_px, 320);
+  EXPECT_THAT(half.notes, Contains(HasSubstr("images of 640 x 480 px (--calib-size says otherwise)")));
+  expect_rectifies(load(text, for_images(640, 480)), ToyRig());
+  EXPECT_THAT(fault_of(text, for_images(480, 360)), HasSubstr("--calib-size"));
+  auto said = for_images(480, 360);
+  said.calibrated_width_px = 640;
+  said.calibrated_height_px = 480;
+  EXPECT_DOUBLE_EQ(load(text, said).rectifier->raw().left.matrix[0], 315.0);
+}
+
+TEST(Mistakes, WidthForHeightIsExchangedWhereTheImagesSaySo) {
+  ToyRig rig;
+  for (cv::Matx33d* m : {&rig.m1, &rig.m2}) (*m)(1, 2) -= 120.0;
+  for (const char* size : {"image_size: [240, 640]\n", "image_width: 240\nimage_height: 640\n"}) {
+    const auto calibration = load(raw(rig, size), for_images(640, 240));
+    EXPECT_EQ(calibration.camera.width_px, 640) << size;
+    EXPECT_THAT(calibration.notes, Contains(HasSubstr("width and height are exchanged")));
+    expect_rectifies(calibration, rig);
+    EXPECT_THAT(fault_of(raw(rig, size)), HasSubstr("cx and cy, or width and height, are swapped"));
+  }
+  for (const char* size : {"image_size: [240, 640, 3]\n", "image_shape: [240, 640]\n"})
+    EXPECT_EQ(load(raw(rig, size)).camera.width_px, 640) << size;
+  const std::string own = "fx_px: 400\ncx_px: 320\ncy_px: 120\nbaseline_m: 0.12\nwidth_px: 240\nheight_px: 640\n";
+  EXPECT_EQ(load(own, for_images(640, 240)).camera.height_px, 240);
+}
+
+TEST(Mistakes, NoRectificationIsToldWithWhatWasNoted) {
+  const ToyRig rig;
+  EXPECT_THAT(fault_of(raw(rig, "image_width: 320\nimage_height: 240\n")),
+              AllOf(HasSubstr("no rectification exists"), HasSubstr("M1: the principal point (318.0, 243.0)")));
+  const auto turned = fault_of("M1: " + rows(cv::Mat(rig.m1)) + "\nM2: " + rows(cv::Mat(rig.m2)) +
+                               "\nR: [0.687, -1.203, 0.458]\nT: [-0.12, 0, 0]\n" + kSize);
+  EXPECT_THAT(turned, AllOf(HasSubstr("no rectification exists"), HasSubstr("degrees where radians are expected")));
+}
+
+TEST(Mistakes, ABaselineThatTheFileLeavesOutIsSaid) {
+  const std::string projections =
+      kSize + "P1: [400, 0, 320, 0, 0, 400, 240, 0, 0, 0, 1, 0]\nP2: [400, 0, 320, 0, 0, 400, 240, 0, 0, 0, 1, 0]\n";
+  for (const std::string& text :
+       {projections, std::string("400 0 320 0 400 240 0 0 1\n"),
+        std::string("Camera.fx: 400\nCamera.fy: 400\nCamera.cx: 320\nCamera.cy: 240\n"),
+        std::string("cam0=[400 0 320; 0 400 240; 0 0 1]\ncam1=[400 0 320; 0 400 240; 0 0 1]\n"),
+        "fx_px: 400\ncx_px: 320\ncy_px: 240\nwidth_px: 640\nheight_px: 480\n" + std::string()}) {
+    const auto calibration = load(text, with_baseline(0.12));
+    EXPECT_EQ(calibration.camera.baseline_m, 0.12) << text;
+    EXPECT_EQ(calibration.camera.width_px, 640) << text;
+    EXPECT_THAT(calibration.notes, Contains(HasSubstr("0.12 m as was said, not in the file")));
+    EXPECT_THAT(fault_of(text), HasSubstr("--baseline M")) << text;
+  }
+}
+
+TEST(Mistakes, SizesThatFormatsMayLeaveOutAreThoseOfTheImages) {
+  for (const char* text : {"cam0=[400 0 320; 0 400 240; 0 0 1]\ncam1=[400 0 320; 0 400 240; 0 0 1]\nbaseline=120\n",
+                           R"({"fx": 400, "fy": 400, "cx0": 320, "cx1": 320, "cy": 240, "baseline_meters": 0.12})"})
+    EXPECT_EQ(load(text, for_images(640, 480)).camera.height_px, 480) << text;
+}
+
+TEST(Mistakes, NormalisedCamerasAreToldFromSmallOnes) {
+  EXPECT_THAT(fault_of("0.58 0 0.49 0 0.58 0.14 0 0 1\n0.54\n", for_images(640, 480)), HasSubstr("normalised"));
+  EXPECT_THAT(fault_of("0.58 0 0.49 0 1.9 0.46 0 0 1\n0.54\n"), HasSubstr("normalised"));
+}
+
+TEST(Mistakes, AWindowOfTheSameShapeIsToldBesideTheScale) {
+  const std::string own = "fx_px: 400\ncx_px: 320\ncy_px: 240\nbaseline_m: 0.12\nwidth_px: 640\nheight_px: 480\n";
+  const auto cut_out = HasSubstr("cut out of larger ones instead, ranges are 2 times those printed");
+  EXPECT_THAT(load(own, for_images(320, 240)).notes, Contains(cut_out));
+  EXPECT_THAT(load(raw(ToyRig(), kSize), for_images(320, 240)).notes, Contains(cut_out));
+  EXPECT_THAT(load(own, for_images(1280, 960)).notes, Not(Contains(HasSubstr("cut out"))));
+  auto resized = for_images(320, 240);
+  resized.images_are_resized = true;
+  EXPECT_THAT(load(own, resized).notes, Not(Contains(HasSubstr("cut out"))));
+}
+
+TEST(Mistakes, HeightsInAnotherUnitAreTold) {
+  const std::string own = "fx_px: 400\ncx_px: 320\ncy_px: 240\nbaseline_m: 0.12\nwidth_px: 640\nheight_px: 480\n";
+  EXPECT_THAT(load(own + "height_m: 165\n").notes, Contains(HasSubstr("is it in centimetres (1.65 m)?")));
+  EXPECT_THAT(load(own + "height_m: 1650\n").notes, Contains(HasSubstr("is it in millimetres (1.65 m)?")));
+  EXPECT_THAT(load(own + "height_m: 12\n").notes, Not(Contains(HasSubstr("improbable"))));
+}
+
+TEST(Mistakes, SkewIsToldAndLeftOut) {
+  ToyRig rig;
+  rig.m1(0, 1) = 25.0;
+  EXPECT_THAT(load(raw(rig, kSize)).notes, Contains(HasSubstr("M1: its skew of 25 px is left out")));
+}
+
+TEST(Mistakes, NegativeBaselinesNameTheirCauses) {
+  ToyRig rig;
+  rig.t = -rig.t;
+  EXPECT_THAT(fault_of(raw(rig, kSize)),
+              AllOf(HasSubstr("left and right are swapped"), HasSubstr("the pose of the right camera instead")));
+  const std::string camera = "  camera_model: pinhole\n  intrinsics: [400, 400, 320, 240]\n  resolution: [640, 480]\n";
+  EXPECT_THAT(fault_of("cam0:\n" + camera + "cam1:\n" + camera +
+                       "  T_cn_cnm1: [[1, 0, 0, 0.12], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"),
+              HasSubstr("--cameras 1,0"));
+}
+
+TEST(Mistakes, CoefficientsAreNamedAndTwoAreRadial) {
+  ToyRig rig;
+  rig.d2 = {-0.2, 0.05, 0.01};
+  EXPECT_THAT(fault_of(raw(rig, kSize)), HasSubstr("D2: found 3 coefficients"));
+  rig.d1 = rig.d2 = {-0.28, 0.07};
+  const auto radial = load(raw(rig, kSize));
+  EXPECT_THAT(radial.notes, Contains(HasSubstr("D1 is read as a pair of radial coefficients")));
+  rig.d1 = rig.d2 = {-0.28, 0.07, 0.0, 0.0};
+  expect_rectifies(radial, rig);
+}
+
+}  // namespace
+}  // namespace flies

@@ -1,0 +1,71 @@
+// Where files of OpenCV's names say what model of a lens they are of.
+#include "flies/io/formats/lens_names.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "flies/io/calibration.hpp"
+#include "flies/io/formats/rig_texts.hpp"
+#include "flies/io/temporary_folder.hpp"
+
+namespace flies {
+namespace {
+
+using detail::named_lens;
+using flies::testing::error_of;
+using flies::testing::expect_rectifies;
+using flies::testing::list;
+using flies::testing::numbers;
+using flies::testing::rows;
+using flies::testing::TemporaryFolder;
+using flies::testing::ToyRig;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+Lens lens_in(const std::string& text) { return named_lens(parse_number_table(text, "calib")); }
+
+TEST(NamedLens, IsFoundBelowEveryKeyThatPeopleUse) {
+  for (const char* text :
+       {"distortion_model: equidistant", "distortionModel: fisheye", "cameraModel: FISHEYE", "lens: fisheye",
+        "camera_type: fisheye", "lens_type: kannala_brandt", "calibration_type: fisheye", "projection: equidistant",
+        "left: {model: fisheye}", "right: {distortion_model: equidistant}", "distortion_model_left: equidistant",
+        "left_distortionModel_1: equidistant", "distortion_model: {right: equidistant}", "cam0: {lensModel: equi}",
+        "camera_model: OPENCV_FISHEYE", "fisheye: true", "fisheye_model: 1", "is_fisheye: 1", "isFisheye: yes"})
+    EXPECT_EQ(lens_in(text), Lens::equidistant) << text;
+  EXPECT_EQ(lens_in("left: {camera_model: ds}"), Lens::double_sphere);
+}
+
+TEST(NamedLens, IsRadialAndTangentialWhereNothingElseIsSaid) {
+  for (const char* text : {"K1: [1, 2]", "distortion_model: plumb_bob", "camera_model: pinhole", "fisheye: false",
+                           "fisheye_model: 0", "lens: computar", "camera_type: stereo", "projection: [1, 2]",
+                           "distortion_model: plumb_bob\ncamera_name: fisheye_left"})
+    EXPECT_EQ(lens_in(text), Lens::brown) << text;
+}
+
+TEST(NamedLens, PinholeSaysNothingOfWhatBendsRays) {
+  EXPECT_EQ(lens_in("camera_model: pinhole\ndistortion_model: equidistant"), Lens::equidistant);
+}
+
+TEST(NamedLens, RefusesTwoModelsUnknownOnesAndFisheyesInOtherPlaces) {
+  EXPECT_THAT(error_of([] { lens_in("left: {model: fisheye}\nright: {model: plumb_bob}"); }),
+              AllOf(HasSubstr("right.model"), HasSubstr("left.model"), HasSubstr("expected the same of both cameras")));
+  EXPECT_THAT(error_of([] { lens_in("left: {distortion_model: bent}"); }),
+              HasSubstr("left.distortion_model: found 'bent'"));
+  EXPECT_THAT(error_of([] { lens_in("comment: fisheye-lenses"); }),
+              AllOf(HasSubstr("comment: found 'fisheye-lenses'"), HasSubstr("distortion_model: equidistant")));
+}
+
+TEST(NamedLens, BelowItsCameraRectifiesAFisheye) {
+  const TemporaryFolder folder;
+  const ToyRig rig = ToyRig::fisheye();
+  const auto camera = [](const cv::Matx33d& m, const std::vector<double>& d) {
+    return R"({"distortion_model": "equidistant", "K": )" + rows(cv::Mat(m)) + R"(, "D": )" + list(d) + "}";
+  };
+  const std::string text =
+      fmt::format(R"({{"image_size": [640, 480], "left": {}, "right": {}, "R": {}, "T": {}}})", camera(rig.m1, rig.d1),
+                  camera(rig.m2, rig.d2), rows(cv::Mat(rig.r)), list(numbers(cv::Mat(rig.t))));
+  expect_rectifies(load_calibration(folder.write("c.json", text)), rig);
+}
+
+}  // namespace
+}  // namespace flies
