@@ -12,12 +12,12 @@
 namespace flies::blackbox {
 namespace {
 
-// What README.md and docs/scan.md publish of the odd pairs, which nothing was tuned on: right in 0.836 of the sectors,
-// blind in 0.057, a ghost in 0.101, a range error of 1.40 %. A hundredth more is twenty sectors. The scan asks no
+// What README.md and docs/scan.md publish of the odd pairs, which nothing was tuned on: right in 0.835 of the sectors,
+// blind in 0.057, a ghost in 0.102, a range error of 1.40 %. A hundredth more is twenty sectors. The scan asks no
 // flies, so all seeds give the same.
-constexpr double kMinRight = 0.826;
+constexpr double kMinRight = 0.825;
 constexpr double kMaxBlind = 0.067;
-constexpr double kMaxGhost = 0.111;
+constexpr double kMaxGhost = 0.112;
 constexpr double kMaxRangeError = 0.015;
 constexpr int kMinSectors = 1900;  // 1938 are judged
 constexpr const char* kFolder = "kitti_stereo2012";
