@@ -376,6 +376,18 @@ TEST_F(LiveCommand, SlowReaderOfLinesLosesNothingUncounted) {
   EXPECT_THAT(result.err, Not(HasSubstr("left out"))) << "three seconds of pairs may wait";
 }
 
+TEST_F(LiveCommand, PatientRunWaitsForASlowReaderOfLines) {
+  constexpr std::size_t kPairs = 150;  // more than may wait
+  const Words words = {"live",   "beside.avi", "--calib",      "calib.txt", "--mount",
+                       "given",  "--loop",     "--every-pair", "--pairs",   std::to_string(kPairs),
+                       "--json", "pipe"};
+  const RunResult result = run_flies(folder.path(), words, "mkfifo pipe; (sleep 4; cat > got.jsonl) < pipe &",
+                                     "; status=$?; wait; exit $status");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(lines(read_text(folder.path() / "got.jsonl")), SizeIs(kPairs));
+  EXPECT_THAT(result.err, Not(HasSubstr("left out")));
+}
+
 TEST_F(LiveCommand, DiskThatFillsUpInTheMiddleLeavesWhatIsWhole) {
   const Words endless = {"left", "right", "--calib", "calib.txt", "--every-pair", "--loop"};
   const auto run_into_limit = [&](const char* option, const char* file, const char* limit = "ulimit -f 2000;") {

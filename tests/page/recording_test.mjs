@@ -211,6 +211,9 @@ function streamed(path) {
   assert.match(run.stderr, /killed\.mcap: is cut off or damaged after \d+ pairs/);
 }
 
+// A program under a sanitizer takes many times as long.
+const patience = Number(process.env.FLIES_PATIENCE ?? 1);
+
 // ---- the WebSocket server, by the protocol's own client
 {
   const child = spawn(flies, [...source, "--loop", "--foxglove", "0", "--json", "ws.jsonl", "--baseline", "0.53"], { cwd: work });
@@ -234,12 +237,13 @@ function streamed(path) {
   const client = new protocol.FoxgloveClient({
     ws: new WebSocket(address, [protocol.FoxgloveClient.SUPPORTED_SUBPROTOCOL]) });
   const channels = new Map(), bySubscription = new Map(), counts = new Map();
+  const awaited = ["/record", "/left", "/scan", "/flies", "/tracks", "/pose"];
   const tracks = new Set(), pictures = [];
   let enough;
   const done = new Promise((resolve, reject) => {
     enough = resolve;
     client.on("error", reject);
-    setTimeout(() => reject(new Error(`too few messages: ${JSON.stringify([...counts])}`)), 30000).unref();
+    setTimeout(() => reject(new Error(`too few messages: ${JSON.stringify([...counts])}`)), 30000 * patience).unref();
   });
   client.on("serverInfo", (info) => assert.equal(info.name, "flies"));
   client.on("advertise", (advertised) => {
@@ -257,14 +261,14 @@ function streamed(path) {
     counts.set(channel.topic, (counts.get(channel.topic) ?? 0) + 1);
     if (channel.topic === "/tracks") tracks.add(timestamp);
     if (channel.topic === "/left") pictures.push(timestamp);
-    if (channel.topic === "/record" && counts.get("/record") >= 10) enough();
+    if (awaited.every((topic) => (counts.get(topic) ?? 0) >= 10)) enough();
   });
   await done;
   assert.equal(channels.size, 13);
   // But for those before all subscriptions were served, and the last, whose tracks may be on their way.
-  for (const timestamp of pictures.slice(3, -2)) assert.ok(tracks.has(timestamp), "a picture has tracks of its own pair");
+  const lonely = pictures.slice(3, -2).filter((timestamp) => !tracks.has(timestamp));
+  assert.ok(lonely.length <= 1, "pictures have tracks of their own pair, unless a busy machine left some out");
   assert.equal(counts.get("/right"), undefined, "only what was subscribed to");
-  for (const topic of ["/left", "/scan", "/flies", "/tracks", "/pose"]) assert.ok(counts.get(topic) >= 9, topic);
   assert.match(said, /flies: note: .*as was said/);
   assert.ok(counts.get("/log") >= 1, "what was told before anybody listened");
   // Who unsubscribes gets no more.

@@ -4,8 +4,10 @@
 
 #include "flies/core/background_thread.hpp"
 
-QueuedSink::QueuedSink(LiveSink& sink, std::size_t most, Haste haste, std::function<void()> left_out)
-    : sink_(sink), most_(most), haste_(haste), left_out_(std::move(left_out)), thread_([this] { work(); }) {}
+QueuedSink::QueuedSink(LiveSink& sink, std::size_t most, Haste haste, Overflow overflow, std::function<void()> left_out)
+    : sink_(sink), most_(most), haste_(haste), overflow_(overflow), left_out_(std::move(left_out)), thread_([this] {
+        work();
+      }) {}
 
 QueuedSink::~QueuedSink() {
   {
@@ -19,21 +21,20 @@ QueuedSink::~QueuedSink() {
 void QueuedSink::take(const LiveFrame& frame) {
   std::function<void()> tell;
   {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
+    if (overflow_ == Overflow::waits) changed_.wait(lock, [&] { return failure_ || !is_full(); });
     if (failure_) std::rethrow_exception(failure_);
+    for (; is_full(); pop())
+      if (left_out_) tell = std::exchange(left_out_, {});
     waiting_.push_back(frame);
     waiting_bytes_ += frame.picture_bytes();
-    while (is_too_long()) {
-      pop();
-      if (left_out_) tell = std::exchange(left_out_, {});
-    }
   }
   changed_.notify_all();
   if (tell) tell();
 }
 
-bool QueuedSink::is_too_long() const {
-  return waiting_.size() > most_ || (waiting_.size() > kFewest && waiting_bytes_ > kMostBytes);
+bool QueuedSink::is_full() const {
+  return waiting_.size() >= most_ || (waiting_.size() >= kFewest && waiting_bytes_ >= kMostBytes);
 }
 
 LiveFrame QueuedSink::pop() {
@@ -51,12 +52,15 @@ void QueuedSink::work() {
     if (waiting_.empty()) return;
     const LiveFrame frame = pop();
     lock.unlock();
+    changed_.notify_all();
     try {
       sink_.take(frame);
     } catch (...) {
       lock.lock();
       failure_ = std::current_exception();
       waiting_.clear();
+      waiting_bytes_ = 0;
+      changed_.notify_all();
       return;
     }
   }

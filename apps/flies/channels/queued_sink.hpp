@@ -16,11 +16,13 @@ class QueuedSink final : public LiveSink {
  public:
   /// Whether somebody waits for what the other sink makes, or the processor may do first what others wait for.
   enum class Haste { is_awaited, can_wait };
+  /// What becomes of more frames than may wait: the oldest are left out, or `take` waits until there is room.
+  enum class Overflow { leaves_out, waits };
 
-  /// @param most frames may wait, and `kMostBytes` of pictures but for `kFewest` frames; of more the oldest are left
-  /// out
-  /// @param left_out called once, when that happens for the first time; may be empty
-  QueuedSink(LiveSink& sink, std::size_t most, Haste haste, std::function<void()> left_out = {});
+  /// @param most frames may wait, and `kMostBytes` of pictures but for `kFewest` frames
+  /// @param left_out called once, when one is left out for the first time; may be empty
+  QueuedSink(LiveSink& sink, std::size_t most, Haste haste, Overflow overflow = Overflow::leaves_out,
+             std::function<void()> left_out = {});
 
   static constexpr std::size_t kMostBytes = 64U << 20;
   static constexpr std::size_t kFewest = 4;
@@ -37,13 +39,14 @@ class QueuedSink final : public LiveSink {
   void finish();
 
  private:
-  bool is_too_long() const;
+  bool is_full() const;
   LiveFrame pop();
   void work();
 
   LiveSink& sink_;
   std::size_t most_;
   Haste haste_;
+  Overflow overflow_;
   std::function<void()> left_out_;
   std::mutex mutex_;  ///< of what follows
   std::condition_variable changed_;

@@ -52,7 +52,7 @@ struct LiveArguments {
 };
 
 constexpr std::size_t kMostForFoxglove = 2;  // pairs that wait to be sent: what is seen is to be new
-constexpr std::size_t kMostForRecord = 60;   // and to be recorded or filmed: two seconds at 30 Hz
+constexpr std::size_t kMostForRecord = 60;   // and to be written, recorded or filmed: two seconds at 30 Hz
 constexpr int kViewPort = 8090;
 constexpr int kFoxglovePort = 8765;  // where Foxglove looks first
 
@@ -140,7 +140,9 @@ class Steered {
 /// Everyone who gets the results, as the command line asks for them.
 class Outputs {
  public:
-  explicit Outputs(const LiveArguments& arguments) : status_(!arguments.json.empty() && arguments.json != "-") {
+  explicit Outputs(const LiveArguments& arguments)
+      : overflow_(arguments.stream.is_patient ? QueuedSink::Overflow::waits : QueuedSink::Overflow::leaves_out),
+        status_(!arguments.json.empty() && arguments.json != "-") {
     if (!arguments.json.empty()) add_json(arguments.json);
     if (arguments.view_port) add_view({arguments.view_address, *arguments.view_port});
     if (arguments.foxglove_port) add_foxglove(arguments.foxglove_address, *arguments.foxglove_port);
@@ -166,7 +168,7 @@ class Outputs {
   /// Whoever reads slowly, or a disk that hangs, holds up nobody else.
   void add_json(const std::string& path) {
     json_.emplace(path);
-    sinks_.push_back(&json_queue_.emplace(*json_, kMostForRecord, QueuedSink::Haste::is_awaited, [path] {
+    sinks_.push_back(&json_queue_.emplace(*json_, kMostForRecord, QueuedSink::Haste::is_awaited, overflow_, [path] {
       say_notes({(path == "-" ? "standard output" : path) + ": takes too long to be written; some pairs are left out"});
     }));
   }
@@ -184,18 +186,19 @@ class Outputs {
   }
   void add_record(const std::string& path) {
     record_.emplace(path);
-    sinks_.push_back(&record_queue_.emplace(*record_, kMostForRecord, QueuedSink::Haste::can_wait, [path] {
+    sinks_.push_back(&record_queue_.emplace(*record_, kMostForRecord, QueuedSink::Haste::can_wait, overflow_, [path] {
       say_notes({path + ": this machine is too slow to record every pair; some are left out"});
     }));
   }
 
   void add_film(const std::string& path) {
     film_.emplace(path);
-    sinks_.push_back(&film_queue_.emplace(*film_, kMostForRecord, QueuedSink::Haste::can_wait, [path] {
+    sinks_.push_back(&film_queue_.emplace(*film_, kMostForRecord, QueuedSink::Haste::can_wait, overflow_, [path] {
       say_notes({path + ": this machine is too slow to film every pair; some are left out"});
     }));
   }
 
+  QueuedSink::Overflow overflow_;  ///< of what is written to files
   std::optional<JsonSink> json_;
   std::optional<QueuedSink> json_queue_;
   std::optional<TableSink> table_;

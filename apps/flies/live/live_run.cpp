@@ -61,12 +61,19 @@ void LiveRun::say(const std::string& sentence) {
   for (LiveSink* sink : sinks_) sink->note(sentence);
 }
 
+/// Pictures that came during a pause count as skipped.
+flies::PairStreamCounts LiveRun::counted() const {
+  auto counts = stream_->counts();
+  counts.skipped += passed_while_paused_;
+  return counts;
+}
+
 /// @returns false when the run is over
 bool LiveRun::wait_for_pair(flies::StereoFrame& frame) {
   while (!is_end_requested()) {
     {
       std::unique_lock lock(mutex_);
-      source_counts_ = stream_->counts();
+      source_counts_ = counted();
       // A living source is read on while paused, so that a step shows what is there then.
       if (is_paused_ && steps_ == 0) {
         changed_.wait_for(lock, 20ms);
@@ -77,7 +84,7 @@ bool LiveRun::wait_for_pair(flies::StereoFrame& frame) {
         if (!is_living) continue;
         const Answer answer = stream_->next(frame, 0ms);
         if (answer == Answer::ended) return false;
-        if (answer == Answer::frame) ++passed_while_paused_;
+        if (answer == Answer::frame) passed_while_paused_ += request_.stream.sources.size();  // pictures
         continue;
       }
     }
@@ -336,7 +343,7 @@ void LiveRun::run() {
   rethrow_failure();
   for (const auto& note : watch_.counts()) say(note);
   const std::lock_guard lock(mutex_);
-  source_counts_ = stream_->counts();
+  source_counts_ = counted();
 }
 
 void LiveRun::pause(bool is_paused) {

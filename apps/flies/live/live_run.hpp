@@ -68,6 +68,7 @@ class LiveRun {
   };
 
   void say(const std::string& sentence);
+  flies::PairStreamCounts counted() const;
   bool wait_for_pair(flies::StereoFrame& frame);
   std::shared_ptr<const Worker> new_worker(const flies::DetectorOptions& options, const std::string& preset,
                                            const flies::TrackerOptions& following, std::uint64_t first_number) const;
@@ -93,7 +94,7 @@ class LiveRun {
   RunDiagnosis diagnosis_;
   flies::PairWatch watch_;
   std::uint64_t next_number_ = 0;
-  std::uint64_t passed_while_paused_ = 0;  ///< pairs
+  std::uint64_t passed_while_paused_ = 0;  ///< pictures
   std::uint64_t began_ns_ = 0;
 
   mutable std::mutex mutex_;  ///< of all below

@@ -14,7 +14,7 @@ struct LiveRecord {
   double latency_ms = 0.0;    ///< from the arrival of the pair to its result
   double skew_ms = 0.0;       ///< of the right picture after the left one
   std::uint64_t dropped = 0;  ///< pairs so far that were overtaken
-  std::uint64_t skipped = 0;  ///< pictures so far that were overtaken before they were read
+  std::uint64_t skipped = 0;  ///< pictures so far that were overtaken before they were read, or came in a pause
 };
 
 /// One pair of a sequence and what is known after it.

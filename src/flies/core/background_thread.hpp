@@ -15,8 +15,9 @@ inline void yield_to_other_threads() {
   constexpr int kNice = 10;
   // Of the calling thread alone, against POSIX: see setpriority(2). Being refused does no harm.
   static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice));
-  const sched_param none{};  // a batch job does not push others aside when it wakes up
-  static_cast<void>(sched_setscheduler(gettid(), SCHED_BATCH, &none));
+  if (sched_getscheduler(0) != SCHED_OTHER) return;  // the user has said how the program is to run
+  const sched_param none{};                          // a batch job does not push others aside when it wakes up
+  static_cast<void>(sched_setscheduler(0, SCHED_BATCH, &none));
 #endif
 }
 

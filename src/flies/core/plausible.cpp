@@ -201,8 +201,12 @@ void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_
 }
 
 bool has_exchanged_size(const StereoCamera& camera, int width_px, int height_px) {
-  return camera.width_px == height_px && camera.height_px == width_px && width_px != height_px && width_px > 0 &&
-         offset(camera.cx_px, width_px) <= kFarOffset && offset(camera.cy_px, height_px) <= kFarOffset;
+  if (camera.width_px != height_px || camera.height_px != width_px || width_px == height_px || width_px <= 0)
+    return false;
+  const double across = offset(camera.cx_px, width_px), down = offset(camera.cy_px, height_px);
+  // A camera that stands on its side has its principal point in the middle of the size that is given.
+  const double as_given = std::max(offset(camera.cx_px, height_px), offset(camera.cy_px, width_px));
+  return std::max(across, down) <= kFarOffset && std::max(across, down) < as_given;
 }
 
 std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px) {

@@ -202,7 +202,7 @@ bool has_messages(const NumberTable& table) {
   const auto has = [&](std::initializer_list<const char*> keys) {
     return std::all_of(keys.begin(), keys.end(), [&](const char* key) { return table.has(key); });
   };
-  return table.has("left.width") && table.has("right.width") &&
+  return has({"left.width", "right.width", "left.distortion_model", "right.distortion_model"}) &&
          (has({"left.K", "left.R", "left.P", "right.P"}) || has({"left.k", "left.r", "left.p", "right.p"}));
 }
 

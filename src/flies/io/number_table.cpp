@@ -123,9 +123,21 @@ const NumberEntry* projection_of(const NumberTable& table) {
 /// Messages of ROS that were printed one after the other: of one camera again and again, or of the left and of the
 /// right one. What OpenCV appends to a file are more keys of the same.
 void merge_documents(const std::vector<std::string>& documents, NumberTable& table) {
+  constexpr std::size_t kMost = 1000;  // each costs a comparison with all cameras, of which there are two
+  if (documents.size() > kMost)
+    throw InputError(
+        table.source, "",
+        fmt::format("holds {} documents (between lines of ---), expected at most {}", documents.size(), kMost));
   std::vector<NumberTable> cameras;
-  for (const auto& document : documents) {
-    NumberTable camera = table_of(document, table.source);
+  for (std::size_t i = 0; i < documents.size(); ++i) {
+    const bool may_be_cut = i > 0 && i + 1 == documents.size() && projection_of(cameras.front());
+    NumberTable camera{table.source, {}};
+    try {
+      camera = table_of(documents[i], table.source);
+    } catch (const InputError&) {
+      if (!may_be_cut) throw;
+    }
+    if (may_be_cut && !projection_of(camera)) break;  // a message that was being printed when the program was ended
     const NumberEntry* projection = projection_of(camera);
     const bool is_known = projection && std::ranges::any_of(cameras, [&](const NumberTable& other) {
                             return projection_of(other) && projection_of(other)->numbers == projection->numbers;
@@ -189,7 +201,7 @@ void flatten_xml(const pugi::xml_node& node, const std::string& prefix, NumberTa
       flatten_xml(item, key + ".", table, depth + 1);
       continue;
     }
-    if (table.has(key)) throw InputError(table.source, key, "stands in the file twice");
+    if (table.has(key) && depth == 0) throw InputError(table.source, key, "stands in the file twice");
     append_xml_numbers(item, table.entries[key]);
     check_entry_size(table.entries[key], key, table.source);
     check_count(table);

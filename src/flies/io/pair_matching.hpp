@@ -30,9 +30,8 @@ struct MatchedPairs {
 
 /// As `find_pairs`, but images without a partner are passed over and named. A folder that is given twice is that of
 /// both cameras, and split by its names (`sides_in_names`).
-/// @throws InputError as `find_pairs` does, when that folder's names do not all tell their side, when names are no
-/// times
-///         that ought to be, when no two belong together, and when images are to be paired in order and their counts
+/// @throws InputError as `find_pairs` does, when that folder's names do not all tell their side, when names ought to be
+///         times and are none, when no two belong together, and when images are to be paired in order and their counts
 ///         differ
 MatchedPairs match_pairs(const std::string& left, const std::string& right, PairBy by);
 

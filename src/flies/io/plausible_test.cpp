@@ -225,6 +225,12 @@ TEST(HasExchangedSize, TellsWidthForHeightFromImagesThatLieOnTheirSide) {
   EXPECT_FALSE(has_exchanged_size(exchanged, 375, 1242));
   EXPECT_FALSE(has_exchanged_size(exchanged, 621, 187));
   EXPECT_FALSE(has_exchanged_size(kCamera, 375, 1242)) << "the images are turned, not the size";
+  StereoCamera upright = kCamera;
+  upright.width_px = 2048;
+  upright.height_px = 2448;
+  upright.cx_px = 1024;
+  upright.cy_px = 1224;
+  EXPECT_FALSE(has_exchanged_size(upright, 2448, 2048)) << "the camera stands on its side";
 }
 
 TEST(CheckFocalLength, LetsFisheyesBeShort) {

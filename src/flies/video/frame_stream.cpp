@@ -25,6 +25,7 @@ constexpr double kToldAgainAfter_s = 60;  // what keeps failing is not told ever
 constexpr double kFrozen_s = 2.0;
 constexpr double kMostPatience = 8.0;  // times `stuck_s`
 constexpr std::size_t kUsualSteps = 10;
+constexpr double kLeastStep_s = 1e-6;                // times advance
 constexpr std::chrono::seconds kLongestTransfer{1};  // from a sensor: an older stamp is by another clock
 
 Clock::duration duration(double seconds) { return std::chrono::duration_cast<Clock::duration>(Seconds(seconds)); }
@@ -200,8 +201,12 @@ class Reading {
     frame.time_s = Seconds(arrived - began_).count();
     if (frame.taken_at && *frame.taken_at <= arrived && arrived - *frame.taken_at < kLongestTransfer) {
       const double taken_s = Seconds(*frame.taken_at - began_).count();
-      if (arrivals_s_.empty() || taken_s > arrivals_s_.back()) frame.time_s = taken_s;
+      transfer_s_ = frame.time_s - taken_s;
+      frame.time_s = taken_s;
+    } else {
+      frame.time_s -= transfer_s_;  // a stamp that is missing: about when its neighbours were taken
     }
+    if (!arrivals_s_.empty()) frame.time_s = std::max(frame.time_s, arrivals_s_.back() + kLeastStep_s);
     arrivals_s_.push_back(frame.time_s);
     if (arrivals_s_.size() == 1) return;
     if (arrivals_s_.size() > kUsualSteps + 1) arrivals_s_.pop_front();
@@ -285,6 +290,7 @@ class Reading {
   double rounds_s_ = 0.0, next_s_ = 0.0;  ///< what the rounds before took, and when the next frame is due
   Clock::duration late_{};
   std::deque<double> arrivals_s_;  ///< the last ones
+  double transfer_s_ = 0.0;        ///< from the last stamp of the source until its frame came
   GrayImage last_;
   double changed_s_ = 0.0;
 };

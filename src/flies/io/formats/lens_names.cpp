@@ -111,12 +111,13 @@ struct SaidLens {
 void add(const std::string& key, const NumberEntry& entry, const NumberTable& table, SaidLens& said) {
   const std::string name = plain_name(key), word = table.word(key);
   std::optional<Lens> lens;
-  if (is_one_of(name, {"distortionmodel", "distortiontype", "cameramodel", "lensmodel"})) {
+  if (is_one_of(name, {"distortionmodel", "distortiontype"})) {
     if (!is_one_of(word, {"", "pinhole", "perspective", "none"}))  // which say nothing of what bends rays
       lens = lens_of(word, key, table.source);
-  } else if (is_one_of(name, {"model", "lens", "lenstype", "cameratype", "calibrationtype", "projection"})) {
+  } else if (is_one_of(name, {"cameramodel", "lensmodel", "model", "lens", "lenstype", "cameratype", "calibrationtype",
+                              "projection"})) {
     if (!is_one_of(word, {"", "pinhole", "perspective", "none"})) lens = known_lens(word);  // or the name of a product
-  } else if (name.find("fisheye") != std::string::npos) {
+  } else if (is_one_of(name, {"fisheye", "isfisheye", "usefisheye", "fisheyemodel", "fisheyelens"})) {
     const auto answer = answer_of(entry, word);
     if (answer == false) said.is_no_fisheye = true;
     lens = answer == true ? Lens::equidistant : word.empty() ? std::nullopt : known_lens(word);
@@ -147,7 +148,8 @@ Lens named_lens(const NumberTable& table) {
   if (said.lens || said.is_no_fisheye) return said.lens.value_or(Lens::brown);
   for (const auto& [key, entry] : table.entries) {
     const std::string word = table.word(key);
-    if (word.find("fisheye") != std::string::npos || word.find("equidistant") != std::string::npos)
+    const bool is_path = word.find_first_of("/\\") != std::string::npos;
+    if (!is_path && (word.find("fisheye") != std::string::npos || word.find("equidistant") != std::string::npos))
       throw InputError(table.source, key,
                        fmt::format("found '{}', and no model of the lens: say distortion_model: equidistant, or "
                                    "plumb_bob where it is no fisheye",

@@ -16,6 +16,8 @@ using flies::testing::error_of;
 using flies::testing::expect_rectifies;
 using flies::testing::list;
 using flies::testing::numbers;
+using flies::testing::of_raw_images;
+using flies::testing::rectified;
 using flies::testing::rows;
 using flies::testing::TemporaryFolder;
 using flies::testing::ToyRig;
@@ -38,7 +40,8 @@ TEST(NamedLens, IsFoundBelowEveryKeyThatPeopleUse) {
 TEST(NamedLens, IsRadialAndTangentialWhereNothingElseIsSaid) {
   for (const char* text : {"K1: [1, 2]", "distortion_model: plumb_bob", "camera_model: pinhole", "fisheye: false",
                            "fisheye_model: 0", "lens: computar", "camera_type: stereo", "projection: [1, 2]",
-                           "distortion_model: plumb_bob\ncamera_name: fisheye_left"})
+                           "distortion_model: plumb_bob\ncamera_name: fisheye_left", "cameraModel: ZED 2i",
+                           "left: {camera_model: FLIR BFS-U3}", "image_dir: /data/fisheye_lab/left"})
     EXPECT_EQ(lens_in(text), Lens::brown) << text;
 }
 
@@ -53,6 +56,7 @@ TEST(NamedLens, RefusesTwoModelsUnknownOnesAndFisheyesInOtherPlaces) {
               HasSubstr("left.distortion_model: found 'bent'"));
   EXPECT_THAT(error_of([] { lens_in("comment: fisheye-lenses"); }),
               AllOf(HasSubstr("comment: found 'fisheye-lenses'"), HasSubstr("distortion_model: equidistant")));
+  EXPECT_THAT(error_of([] { lens_in("fisheye_balance: 0\nnote: fisheye"); }), HasSubstr("note: found 'fisheye'"));
 }
 
 TEST(NamedLens, BelowItsCameraRectifiesAFisheye) {
@@ -65,6 +69,21 @@ TEST(NamedLens, BelowItsCameraRectifiesAFisheye) {
       fmt::format(R"({{"image_size": [640, 480], "left": {}, "right": {}, "R": {}, "T": {}}})", camera(rig.m1, rig.d1),
                   camera(rig.m2, rig.d2), rows(cv::Mat(rig.r)), list(numbers(cv::Mat(rig.t))));
   expect_rectifies(load_calibration(folder.write("c.json", text)), rig);
+}
+
+TEST(NamedLens, OfAllIsNotThatOfMessagesOfRos) {
+  const TemporaryFolder folder;
+  const ToyRig rig = ToyRig::fisheye();
+  const auto to = rectified(rig);
+  const auto camera = [](const cv::Matx33d& m, const std::vector<double>& d, const cv::Mat& r, const cv::Mat& p) {
+    return R"({"width": 640, "height": 480, "K": )" + rows(cv::Mat(m)) + R"(, "D": )" + list(d) + R"(, "R": )" +
+           rows(r) + R"(, "P": )" + rows(p) + "}";
+  };
+  const std::string text = fmt::format(
+      R"({{"distortion_model": "equidistant", "image_size": [640, 480], "left": {}, "right": {}, "R": {}, "T": {}}})",
+      camera(rig.m1, rig.d1, to.r1, to.p1), camera(rig.m2, rig.d2, to.r2, to.p2), rows(cv::Mat(rig.r)),
+      list(numbers(cv::Mat(rig.t))));
+  expect_rectifies(load_calibration(folder.write("c.json", text), of_raw_images()), rig);
 }
 
 }  // namespace

@@ -123,7 +123,9 @@ TEST(NestedFormats, MessagesOfBothCamerasMayStandInOneFile) {
   const ToyRig rig;
   const auto to = rectified(rig);
   const std::string left = message(rig.m1, rig.d1, to.r1, to.p1), right = message(rig.m2, rig.d2, to.r2, to.p2);
-  for (const std::string& text : {left + right, left + right + left + right}) {
+  const std::string cut_in_a_line = left.substr(0, left.find("P: ") + 20), cut_between_lines = left.substr(0, 40);
+  for (const std::string& text :
+       {left + right, left + right + left + right, left + right + cut_in_a_line, left + right + cut_between_lines}) {
     const auto path = folder.write("c.yaml", text);
     EXPECT_NEAR(load_calibration(path).camera.baseline_m, cv::norm(rig.t), kWritten_m);
     expect_rectifies(load_calibration(path, of_raw_images()), rig);
@@ -140,6 +142,9 @@ TEST(NestedFormats, MessagesOfBothCamerasMayStandInOneFile) {
 TEST(NestedFormats, WhatOpenCvAppendedIsReadToo) {
   const auto table = parse_number_table("%YAML:1.0\n---\na: 1\n...\n---\nb: 2\n", "c");
   EXPECT_EQ(table.require_number("a") + table.require_number("b"), 3.0);
+  std::string many;
+  for (int i = 0; i < 2000; ++i) many += "P: " + std::to_string(i) + "\n---\n";
+  EXPECT_THAT(error_of([&] { parse_number_table(many, "c"); }), HasSubstr("holds 2000 documents"));
   EXPECT_THAT(error_of([] { parse_number_table("a: 1\n---\na: 2\n", "c"); }),
               HasSubstr("a: stands in two of the 2 documents"));
 }
