@@ -86,7 +86,7 @@ std::string plain_part(std::string_view part) {
 std::string plain_name(std::string_view key) {
   while (true) {
     const auto dot = key.rfind('.');
-    const auto name = plain_part(dot == std::string_view::npos ? key : key.substr(dot + 1));
+    auto name = plain_part(dot == std::string_view::npos ? key : key.substr(dot + 1));
     if (!name.empty() || dot == std::string_view::npos) return name;
     key = key.substr(0, dot);
   }
