@@ -102,34 +102,26 @@ namespace {
 
 using Texts = std::vector<std::pair<std::string, std::string>>;
 
-constexpr std::pair<flies::Split, const char*> kSplits[] = {{flies::Split::side_by_side, "side"},
-                                                            {flies::Split::top_bottom, "top"}};
-constexpr std::pair<flies::BayerPattern, const char*> kBayerPatterns[] = {{flies::BayerPattern::rggb, "rggb"},
-                                                                          {flies::BayerPattern::bggr, "bggr"},
-                                                                          {flies::BayerPattern::grbg, "grbg"},
-                                                                          {flies::BayerPattern::gbrg, "gbrg"}};
-constexpr std::pair<SelfRectify, const char*> kSelfRectify[] = {{SelfRectify::on, "on"}, {SelfRectify::off, "off"}};
-
 /// The options of a command line that are not as they are without it. The mount is told as it is used.
 Texts input_of(const RunWords& words) {
   Texts input;
-  const auto add_named = [&](const char* option, const auto& value, const auto& names) {
-    for (const auto& [named, name] : names)
-      if (value == named) input.emplace_back(option, name);
-  };
   const auto add_numbers = [&](const char* option, const std::vector<int>& numbers) {
     if (!numbers.empty()) input.emplace_back(option, fmt::format("{}", fmt::join(numbers, ",")));
   };
   if (words.pair_by != "auto") input.emplace_back("pair-by", words.pair_by);
-  add_named("split", words.reading.split, kSplits);
-  add_named("bayer", words.reading.bayer, kBayerPatterns);
+  for (const char* split : {"side", "top"})
+    if (flies::split_of(split) == words.reading.split) input.emplace_back("split", split);
+  for (const char* pattern : {"rggb", "bggr", "grbg", "gbrg"})
+    if (words.reading.bayer && flies::bayer_pattern_of(pattern) == words.reading.bayer)
+      input.emplace_back("bayer", pattern);
   add_numbers("cameras", words.camera.cameras);
   if (!words.camera.right_calib.empty()) input.emplace_back("right-calib", words.camera.right_calib);
   if (words.camera.is_raw) input.emplace_back("raw", "true");
   if (words.camera.is_resized) input.emplace_back("resized", "true");
   if (words.camera.baseline_m) input.emplace_back("baseline", fmt::format("{}", *words.camera.baseline_m));
   add_numbers("calib-size", words.camera.calibrated_size_px);
-  add_named("self-rectify", words.corrections.self_rectify, kSelfRectify);
+  if (const auto mode = words.corrections.self_rectify; mode != SelfRectify::automatic)
+    input.emplace_back("self-rectify", mode == SelfRectify::on ? "on" : "off");
   return input;
 }
 

@@ -90,7 +90,7 @@ class TrackOutputFiles {
   }
 
   /// Whether results go where a progress bar would be drawn.
-  bool take_the_terminal() const { return prints_; }
+  bool use_the_terminal() const { return prints_; }
 
   void write(const TrackedFrame& frame, const flies::RectifiedPair& pair) {
     if (json_) json_->write(track_json_line(frame));
@@ -169,7 +169,7 @@ void run_track(TrackArguments arguments) {
   require_a_true_pair(run);
 
   TrackOutputFiles outputs(arguments, source.times_s);
-  ProgressBar progress(outputs.take_the_terminal() ? 0 : source.pairs.size());
+  ProgressBar progress(outputs.use_the_terminal() ? 0 : source.pairs.size());
   ReadAhead<flies::GrayPair> ahead(
       source.pairs.size(), [&](std::size_t i) { return run.usable(i); }, options.threads != 1);
   flies::PairWatch watch;

@@ -43,8 +43,6 @@ bool is_allowed_origin(const std::string& origin) {
   return false;
 }
 
-}  // namespace
-
 /// A message of the protocol, without the subscription that it answers.
 struct TimedMessage {
   std::uint64_t time_ns = 0;
@@ -59,6 +57,8 @@ struct TimedMessage {
     return bytes += text;
   }
 };
+
+}  // namespace
 
 struct FoxgloveServer::State {
   std::vector<FoxgloveChannel> channels;
