@@ -118,7 +118,7 @@ export class Trails {
   }
 }
 
-const kAhead_m = 42, kBehind_m = 2, kSide_m = 20;
+const kAhead_m = 48, kBehind_m = 2;
 
 /** The view from above: x up, y to the left. */
 export function drawTop(canvas, state, trails, flies) {
@@ -155,7 +155,8 @@ export function drawTop(canvas, state, trails, flies) {
     context.stroke();
   }
   for (const obstacle of state.record.obstacles) drawObstacle(context, at, obstacle);
-  for (const track of state.record.tracks) drawTrack(context, at, track, writing);
+  const labels = new Labels(context, writing);  // nearest first
+  for (const track of state.record.tracks) drawTrack(context, at, track, labels);
 }
 
 function line(context, from, to) {
@@ -176,9 +177,10 @@ function drawObstacle(context, at, { x_m, y_m, width_m, middle_offset_m, range_m
   line(context, end(-1), end(1));
 }
 
-function drawTrack(context, at, track, writing) {
+function drawTrack(context, at, track, labels) {
   const isPerson = track.class === "person";
   const [u, v] = at([track.x_m, track.y_m]);
+  if (u < 0 || v < 0 || u > context.canvas.width || v > context.canvas.height) return;  // in the table alone
   const speed = Math.hypot(track.vx_mps, track.vy_mps);
   context.globalAlpha = track.unseen_s > 0 ? 0.4 : 1;
   context.fillStyle = isPerson ? "#c000c0" : "#30363c";
@@ -190,7 +192,7 @@ function drawTrack(context, at, track, writing) {
     context.lineWidth = 2;
     line(context, [u, v], at([track.x_m + track.vx_mps, track.y_m + track.vy_mps]));
   }
-  context.font = `${11 * writing}px system-ui, sans-serif`;
-  context.fillText(`#${track.id}`, u + 7, v + 4);
+  labels.put(`#${track.id}`, u + 4, v + 8 * labels.scale, context.fillStyle,
+    { weight: 400, size: 11, ground: "transparent" });
   context.globalAlpha = 1;
 }
