@@ -114,7 +114,9 @@ void bind_calibration(py::module_& module) {
   py::class_<Calibration>(module, "Calibration", "What was understood of a calibration file; see `load_calibration`.")
       .def_readonly("camera", &Calibration::camera, "The camera after rectification: a StereoCamera.")
       .def_readonly("format", &Calibration::format, "Name of the file's format.")
-      .def_readonly("notes", &Calibration::notes, "Sentences on what was ignored or assumed.")
+      .def_property_readonly(
+          "notes", [](const Calibration& calibration) { return texts(calibration.notes); },
+          "Sentences on what was ignored or assumed.")
       .def_property_readonly(
           "is_raw", [](const Calibration& c) { return c.rectifier.has_value(); },
           "True: images are raw and must go through `rectify` first.")

@@ -113,7 +113,7 @@ std::string table(const flies::Calibration& calibration, const CalibArguments& a
   line("smallest thing seen", smallest(camera));
   const flies::FieldOptions field = field_of(camera);
   line("looked at", fmt::format("{:.1f} to {:.1f} m ahead", field.x_min_m, field.x_max_m));
-  for (const auto& note : calibration.notes) line("note", note);
+  for (const auto& note : calibration.notes) line("note", note.text);
   return text;
 }
 
@@ -141,7 +141,7 @@ std::string json(const flies::Calibration& calibration) {
       {"range_sd_at_10_m", flies::range_deviation_m(camera, 10.0)},
       {"field_x_min_m", field.x_min_m},
       {"field_x_max_m", field.x_max_m},
-      {"notes", calibration.notes},
+      {"notes", texts(calibration.notes)},
   };
   constexpr int kIndent = 2;
   return object.dump(kIndent, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

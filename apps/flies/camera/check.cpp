@@ -66,16 +66,18 @@ Checked check(const CheckArguments& arguments) {
   };
   Checked checked;
   checked.run = calibrate_run(matched.pairs, load, calibrate, arguments.calib, {.self_rectify = SelfRectify::off});
-  const auto on_calibration = sorted_notes(checked.run.calibration, arguments.camera);
+  const auto on_calibration = [&](flies::CalibrationNoteKind kind) {
+    return named(arguments.calib, texts(checked.run.calibration.notes, {kind}));
+  };
   const auto add = [](std::vector<std::string>& notes, const std::vector<std::string>& more) {
     notes.insert(notes.end(), more.begin(), more.end());
   };
-  add(checked.to_check, named(arguments.calib, on_calibration.doubts));
+  add(checked.to_check, on_calibration(flies::CalibrationNoteKind::doubt));
   add(checked.to_check, matched.notes);
   add(checked.to_check, checked.run.diagnosis.notes);
   add(checked.to_check, notes_on_each(checked.run));
-  add(checked.notes, named(arguments.calib, on_calibration.mount));
-  add(checked.notes, named(arguments.calib, on_calibration.told));
+  add(checked.notes, on_calibration(flies::CalibrationNoteKind::mount));
+  add(checked.notes, on_calibration(flies::CalibrationNoteKind::told));
   if (!arguments.picture.empty()) {
     const flies::GrayPair images = checked.run.usable(checked.run.sample.front());
     flies::write_png(arguments.picture,

@@ -292,7 +292,9 @@ flies::Calibration Recording::recorded_calibration() const {
     calibration.camera = camera_;
     calibration.format = "recording";
     calibration.has_height = calibration.has_pitch = has_mount_;
-    if (!has_mount_) calibration.notes.push_back("does not say where the camera sits; the default mount is assumed");
+    if (!has_mount_)
+      calibration.notes.push_back(
+          {"does not say where the camera sits; the default mount is assumed", flies::CalibrationNoteKind::mount});
     return calibration;
   }
   const auto& left = camera_info(camera_info_topic(left_));

@@ -119,9 +119,9 @@ flies::FrameRecord empty_record(const DetectArguments& arguments, const Calibrat
 
 /// What may explain why the pair of a run of one cannot be used.
 void say_notes_on_calibration(const DetectArguments& arguments, const CalibratedRun& run) {
-  const auto notes = sorted_notes(run.calibration, arguments.camera);
-  say_notes(named(arguments.calib, notes.told));
-  say_notes(named(arguments.calib, notes.doubts));
+  using enum flies::CalibrationNoteKind;
+  say_notes(named(arguments.calib, texts(run.calibration.notes, {told})));
+  say_notes(named(arguments.calib, texts(run.calibration.notes, {doubt})));
 }
 
 void run_detect(const DetectArguments& arguments) {

@@ -1,25 +1,7 @@
 #include "shared/camera_arguments.hpp"
 
-#include <algorithm>
 #include <array>
-#include <initializer_list>
-#include <string_view>
 #include <utility>
-
-namespace {
-
-bool has_any(const std::string& note, std::initializer_list<std::string_view> phrases) {
-  return std::ranges::any_of(phrases, [&](std::string_view phrase) { return note.find(phrase) != std::string::npos; });
-}
-
-/// Whether a note tells what was taken, or left, where the file or the user says so. Whatever else is noted is a doubt.
-bool only_tells(const std::string& note) {
-  return has_any(note, {"images are taken as r", " as was said, not ", " is read as a ", " and is read so",
-                        " sizes in the file the largest was taken", "lens that the file describes once", " offset of ",
-                        "see farther to the side than a rectified image"});
-}
-
-}  // namespace
 
 void add_mount_options(CLI::App& command, CameraArguments& arguments) {
   command.add_option("--camera-height", arguments.height_m, "of the left camera above the road, metres")
@@ -95,20 +77,6 @@ flies::CalibrationRequest calibration_request(const CameraArguments& arguments, 
   request.width_px = images.left.width_px;
   request.height_px = images.left.height_px;
   return request;
-}
-
-CalibrationNotes sorted_notes(const flies::Calibration& calibration, const CameraArguments& arguments) {
-  CalibrationNotes sorted;
-  for (const auto& note : calibration.notes) {
-    const bool is_on_scale = has_any(note, {" px, scaled by "});
-    if (note.starts_with("the file has no camera "))
-      sorted.mount.push_back(note);
-    else if (only_tells(note) || (is_on_scale && arguments.is_resized))
-      sorted.told.push_back(note);
-    else
-      sorted.doubts.push_back(note);
-  }
-  return sorted;
 }
 
 std::vector<std::string> named(const std::string& file, std::vector<std::string> notes) {

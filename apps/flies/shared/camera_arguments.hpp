@@ -50,14 +50,5 @@ flies::CalibrationRequest calibration_request(const CameraArguments& arguments);
 flies::CalibrationRequest calibration_request(const CameraArguments& arguments, const std::string& left_path,
                                               const std::string& right_path, const flies::RectifiedPair& images);
 
-/// The notes of a calibration by what they ask of the user.
-struct CalibrationNotes {
-  std::vector<std::string> mount;   ///< how the camera is taken to stand: says nothing on whether images and file fit
-  std::vector<std::string> told;    ///< how the file is taken
-  std::vector<std::string> doubts;  ///< what may be wrong, and all ranges with it
-};
-
-CalibrationNotes sorted_notes(const flies::Calibration& calibration, const CameraArguments& arguments);
-
 /// Sentences on a file, each with its name before it.
 std::vector<std::string> named(const std::string& file, std::vector<std::string> notes);

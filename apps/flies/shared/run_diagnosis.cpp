@@ -200,7 +200,7 @@ flies::GrayPair CalibratedRun::usable(std::size_t pair) const {
 }
 
 std::vector<std::string> CalibratedRun::notes(const std::string& calib) const {
-  auto all = named(calib, calibration.notes);
+  auto all = named(calib, texts(calibration.notes));
   for (auto& note : named(first().left, diagnosis.notes)) all.push_back(std::move(note));
   return all;
 }

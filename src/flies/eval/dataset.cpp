@@ -41,7 +41,7 @@ void refuse_raw(const std::string& calibration_file) {
 }
 
 void add_notes(const Calibration& calibration, const std::string& file, std::vector<std::string>& notes) {
-  for (const auto& note : calibration.notes) notes.push_back(file + ": " + note);
+  for (const auto& note : calibration.notes) notes.push_back(file + ": " + note.text);
 }
 
 std::optional<CameraMount> mount_from_road(const std::vector<PairPaths>& pairs, const StereoCamera& camera,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -61,12 +62,12 @@ void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
   if (!calibration.has_pitch) assume("pitch", fmt::format("{} degrees", degrees(mount.pitch_rad)), "--camera-pitch");
   if (mount.height_m > kProbableHeight_m)
     calibration.notes.push_back(
-        fmt::format("a camera height of {:.4g} m is improbable for a camera that looks along "
-                    "the road: {}",
-                    mount.height_m, likely_unit(mount.height_m)));
+        {fmt::format("a camera height of {:.4g} m is improbable for a camera that looks along the road: {}",
+                     mount.height_m, likely_unit(mount.height_m))});
   if (!missing.empty())
-    calibration.notes.push_back(fmt::format("the file has no camera {}, assumed: {} ({})", fmt::join(missing, " and "),
-                                            fmt::join(assumed, " and "), fmt::join(flags, ", ")));
+    calibration.notes.push_back({fmt::format("the file has no camera {}, assumed: {} ({})", fmt::join(missing, " and "),
+                                             fmt::join(assumed, " and "), fmt::join(flags, ", ")),
+                                 CalibrationNoteKind::mount});
 }
 
 /// @throws InputError for a baseline that no option mends
@@ -103,11 +104,10 @@ bool was_cut_off(const CalibrationRequest& request, const Calibration& calibrati
 
 void take_as_cut_off(const CalibrationRequest& request, Calibration& calibration, int height_px) {
   const int rows = height_px - request.height_px;
-  calibration.notes.push_back(fmt::format(
+  calibration.notes.push_back({fmt::format(
       "the calibration is for {} x {} px, of which the images have the upper {} rows, it seems: if {} rows were cut "
-      "off "
-      "at the top instead, the camera seems to look {:.1f} degrees down, which --mount auto finds from the road",
-      request.width_px, height_px, request.height_px, rows, degrees(std::atan(rows / calibration.camera.fy_px))));
+      "off at the top instead, the camera seems to look {:.1f} degrees down, which --mount auto finds from the road",
+      request.width_px, height_px, request.height_px, rows, degrees(std::atan(rows / calibration.camera.fy_px)))});
   calibration.camera.width_px = request.width_px;
   calibration.camera.height_px = request.height_px;
 }
@@ -117,7 +117,7 @@ void exchange_size(const CalibrationRequest& request, Calibration& calibration) 
   auto& camera = calibration.camera;
   if (calibration.rectifier || !detail::has_exchanged_size(camera, request.width_px, request.height_px)) return;
   std::swap(camera.width_px, camera.height_px);
-  calibration.notes.push_back(detail::note_on_exchanged_size(camera.width_px, camera.height_px));
+  calibration.notes.push_back({detail::note_on_exchanged_size(camera.width_px, camera.height_px)});
 }
 
 /// Brings the camera to the size of the images: given where the file has none, scaled where one scale fits.
@@ -151,7 +151,7 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
     camera.width_px = (*deduced)[0];
     camera.height_px = (*deduced)[1];
     calibration.notes.push_back(
-        detail::note_on_deduced_size(camera.cx_px, camera.cy_px, camera.width_px, camera.height_px));
+        {detail::note_on_deduced_size(camera.cx_px, camera.cy_px, camera.width_px, camera.height_px)});
   } else if (camera.width_px == 0 && request.images_are_resized) {
     throw InputError(source, "image size", "is not in the file: say what the images were resized from (--calib-size)");
   } else if (camera.width_px == 0) {
@@ -205,10 +205,9 @@ void detail::override_baseline(double baseline_m, const std::string& source, Cal
     calibration.rectifier.emplace(raw, source);
     calibration.camera = calibration.rectifier->camera();
   }
+  const std::string instead = found_m > 0.0 ? fmt::format("{:.4g} as in the file", found_m) : "in the file";
   calibration.notes.push_back(
-      found_m > 0.0
-          ? fmt::format("the baseline is {:.4g} m as was said, not {:.4g} as in the file", baseline_m, found_m)
-          : fmt::format("the baseline is {:.4g} m as was said, not in the file", baseline_m));
+      {fmt::format("the baseline is {:.4g} m as was said, not {}", baseline_m, instead), CalibrationNoteKind::told});
 }
 
 std::optional<detail::ImageScale> detail::scale_to_images(int width_px, int height_px,
@@ -220,20 +219,19 @@ std::optional<detail::ImageScale> detail::scale_to_images(int width_px, int heig
                     static_cast<double>(request.height_px) / height_px};
 }
 
-std::string detail::note_on_scale(int width_px, int height_px, const ImageScale& scale,
-                                  const CalibrationRequest& request) {
+CalibrationNote detail::note_on_scale(int width_px, int height_px, const ImageScale& scale,
+                                      const CalibrationRequest& request) {
   const std::string by = scale.across == scale.down
                              ? fmt::format("{:.4g}", scale.across)
                              : fmt::format("{:.4g} across and {:.4g} down", scale.across, scale.down);
   auto note = fmt::format("the calibration is for {} x {} px, scaled by {} to the images of {} x {} px", width_px,
                           height_px, by, request.width_px, request.height_px);
-  if (!request.images_are_resized && scale.across < 1.0)
-    note += fmt::format(
-        "; if they were cut out of larger ones instead, ranges are {:.3g} times those printed: subtract the columns "
-        "and "
-        "rows cut off at the left and at the top from cx and cy, and give the size of the images",
-        1.0 / scale.across);
-  return note;
+  if (request.images_are_resized || scale.across >= 1.0) return {std::move(note), CalibrationNoteKind::told};
+  note += fmt::format(
+      "; if they were cut out of larger ones instead, ranges are {:.3g} times those printed: subtract the columns and "
+      "rows cut off at the left and at the top from cx and cy, and give the size of the images",
+      1.0 / scale.across);
+  return {std::move(note)};
 }
 
 std::string detail::note_on_deduced_size(double cx_px, double cy_px, int width_px, int height_px) {
@@ -248,6 +246,13 @@ std::string detail::note_on_exchanged_size(int width_px, int height_px) {
       "the file's width and height are exchanged, as NumPy and MATLAB write rows first: taken as {} x {} px, as the "
       "images and the principal point are",
       width_px, height_px);
+}
+
+std::vector<std::string> texts(const CalibrationNotes& notes, std::initializer_list<CalibrationNoteKind> kinds) {
+  std::vector<std::string> found;
+  for (const auto& note : notes)
+    if (kinds.size() == 0 || std::ranges::find(kinds, note.kind) != kinds.end()) found.push_back(note.text);
+  return found;
 }
 
 Calibration load_calibration(const std::string& path, const CalibrationRequest& request) {
@@ -273,7 +278,7 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
   check_camera(camera, path);
   const bool says_size = camera.width_px > 0;
   fit_size(request, path, calibration);
-  for (auto& note : detail::check_plausible(camera, path, says_size)) calibration.notes.push_back(std::move(note));
+  for (auto& note : detail::check_plausible(camera, path, says_size)) calibration.notes.push_back({std::move(note)});
   return calibration;
 }
 

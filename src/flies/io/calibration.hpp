@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,24 @@ struct CalibrationRequest {
   std::optional<double> camera_roll_rad;
 };
 
+/// What a note on a calibration asks of its reader.
+enum class CalibrationNoteKind {
+  told,   ///< nothing: how the file is taken, where it or the request says so
+  mount,  ///< nothing, if it is so: how the camera is taken to stand, whatever images and file are
+  doubt,  ///< to check something: the file may be wrong or not that of the images, and all ranges with it
+};
+
+struct CalibrationNote {
+  std::string text;  ///< a sentence
+  CalibrationNoteKind kind = CalibrationNoteKind::doubt;
+  bool operator==(const CalibrationNote&) const = default;
+};
+
+using CalibrationNotes = std::vector<CalibrationNote>;
+
+/// The sentences of these kinds, in their order; of all where none is named.
+std::vector<std::string> texts(const CalibrationNotes& notes, std::initializer_list<CalibrationNoteKind> kinds = {});
+
 /// What was understood of a calibration.
 struct Calibration {
   StereoCamera camera;
@@ -41,7 +60,7 @@ struct Calibration {
   bool has_height = false;            ///< the file or the request gave it; otherwise the default stands in `camera`
   bool has_pitch = false;
   std::optional<Rectifier> rectifier;  ///< present when the images are raw: rectify them before anything else
-  std::vector<std::string> notes;      ///< sentences on what was ignored or assumed
+  CalibrationNotes notes;              ///< on what was ignored or assumed
 };
 
 /// Reads a calibration; the format is recognised from the content, not from the name.

@@ -46,8 +46,8 @@ void override_baseline(double baseline_m, const std::string& source, Calibration
 /// How the images were resized from this size: by one scale, or by any that the request says.
 std::optional<ImageScale> scale_to_images(int width_px, int height_px, const CalibrationRequest& request);
 
-/// The sentence on it.
-std::string note_on_scale(int width_px, int height_px, const ImageScale& scale, const CalibrationRequest& request);
+/// A doubt where images cut out of larger ones would look the same.
+CalibrationNote note_on_scale(int width_px, int height_px, const ImageScale& scale, const CalibrationRequest& request);
 
 /// The sentence on a size that the principal point told where the file has none.
 std::string note_on_deduced_size(double cx_px, double cy_px, int width_px, int height_px);

@@ -129,8 +129,8 @@ Calibration read_middlebury(const NumberTable& table, const CalibrationRequest& 
     camera.cx_right_px = left.cx_px + table.require_number("doffs");
     if (std::abs(camera.cx_right_px - right.cx_px) > kRowTolerance_px)
       calibration.notes.push_back(
-          fmt::format("doffs differs by {:.2f} px from the principal points of cam0 and cam1; doffs is used",
-                      camera.cx_right_px - right.cx_px));
+          {fmt::format("doffs differs by {:.2f} px from the principal points of cam0 and cam1; doffs is used",
+                       camera.cx_right_px - right.cx_px)});
   }
   camera.baseline_m = table.has("baseline") ? table.require_number("baseline") * kMetresPerMillimetre
                                             : missing_baseline(request, table.source, "baseline");
@@ -170,8 +170,9 @@ Calibration calibration_from_projections(const ProjectionKey& left_key, const Pr
   calibration.right_name = right_key.key;
   const auto note_offset = [&](double offset_m, const char* direction) {
     if (std::abs(offset_m) > kNotedOffset_m)
-      calibration.notes.push_back(fmt::format("{} offset of {:.4f} m between {} and {} ignored", direction, offset_m,
-                                              left_key.key, right_key.key));
+      calibration.notes.push_back({fmt::format("{} offset of {:.4f} m between {} and {} ignored", direction, offset_m,
+                                               left_key.key, right_key.key),
+                                   CalibrationNoteKind::told});
   };
   const double across_m = std::abs(camera.baseline_m), down_m = std::abs(right_m[1] - left_m[1]);
   if (down_m > kMostSlant * across_m)

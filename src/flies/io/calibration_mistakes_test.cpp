@@ -60,8 +60,9 @@ TEST(Mistakes, FocalLengthsOfRawCamerasInAnotherUnitAreRefused) {
   }
   rig = ToyRig();
   rig.m1(0, 0) *= 2.0;
-  EXPECT_THAT(load(raw(rig, kSize)).notes, Contains(HasSubstr("M1: the focal length across is 2 times that down")));
-  EXPECT_THAT(load(raw(ToyRig(), kSize)).notes, Not(Contains(HasSubstr("focal length"))));
+  EXPECT_THAT(texts(load(raw(rig, kSize)).notes),
+              Contains(HasSubstr("M1: the focal length across is 2 times that down")));
+  EXPECT_THAT(texts(load(raw(ToyRig(), kSize)).notes), Not(Contains(HasSubstr("focal length"))));
 }
 
 TEST(Mistakes, RawCamerasOfMorePixelsThanMemoryHoldsAreRefused) {
@@ -78,7 +79,7 @@ TEST(Mistakes, FisheyesMayHaveShortFocalLengthsAndNotAnyone) {
   ToyRig rig = ToyRig::fisheye();
   const std::string model = "distortion_model: equidistant\n";
   for (cv::Matx33d* m : {&rig.m1, &rig.m2}) (*m)(0, 0) = (*m)(1, 1) = 130.0;
-  EXPECT_THAT(load(raw(rig, kSize + model)).notes, Not(Contains(HasSubstr("M1: the focal length"))));
+  EXPECT_THAT(texts(load(raw(rig, kSize + model)).notes), Not(Contains(HasSubstr("M1: the focal length"))));
   rig.m1(0, 0) = rig.m1(1, 1) = 4.0;
   EXPECT_THAT(fault_of(raw(rig, kSize + model)), HasSubstr("M1: found 4 px"));
 }
@@ -88,7 +89,7 @@ TEST(Mistakes, RawCamerasWithoutASizeAreScaledToHalfImagesOrAskForIt) {
   const auto half = load(text, for_images(320, 240));
   EXPECT_DOUBLE_EQ(half.rectifier->raw().left.matrix[0], 210.0);
   EXPECT_EQ(half.camera.width_px, 320);
-  EXPECT_THAT(half.notes, Contains(HasSubstr("images of 640 x 480 px (--calib-size says otherwise)")));
+  EXPECT_THAT(texts(half.notes), Contains(HasSubstr("images of 640 x 480 px (--calib-size says otherwise)")));
   expect_rectifies(load(text, for_images(640, 480)), ToyRig());
   EXPECT_THAT(fault_of(text, for_images(480, 360)), HasSubstr("--calib-size"));
   auto said = for_images(480, 360);
@@ -103,7 +104,7 @@ TEST(Mistakes, WidthForHeightIsExchangedWhereTheImagesSaySo) {
   for (const char* size : {"image_size: [240, 640]\n", "image_width: 240\nimage_height: 640\n"}) {
     const auto calibration = load(raw(rig, size), for_images(640, 240));
     EXPECT_EQ(calibration.camera.width_px, 640) << size;
-    EXPECT_THAT(calibration.notes, Contains(HasSubstr("width and height are exchanged")));
+    EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("width and height are exchanged")));
     expect_rectifies(calibration, rig);
     EXPECT_THAT(fault_of(raw(rig, size)), HasSubstr("cx and cy, or width and height, are swapped"));
   }
@@ -133,7 +134,7 @@ TEST(Mistakes, ABaselineThatTheFileLeavesOutIsSaid) {
     const auto calibration = load(text, with_baseline(0.12));
     EXPECT_EQ(calibration.camera.baseline_m, 0.12) << text;
     EXPECT_EQ(calibration.camera.width_px, 640) << text;
-    EXPECT_THAT(calibration.notes, Contains(HasSubstr("0.12 m as was said, not in the file")));
+    EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("0.12 m as was said, not in the file")));
     EXPECT_THAT(fault_of(text), HasSubstr("--baseline M")) << text;
   }
 }
@@ -152,25 +153,25 @@ TEST(Mistakes, NormalisedCamerasAreToldFromSmallOnes) {
 TEST(Mistakes, AWindowOfTheSameShapeIsToldBesideTheScale) {
   const std::string own = "fx_px: 400\ncx_px: 320\ncy_px: 240\nbaseline_m: 0.12\nwidth_px: 640\nheight_px: 480\n";
   const auto cut_out = HasSubstr("cut out of larger ones instead, ranges are 2 times those printed");
-  EXPECT_THAT(load(own, for_images(320, 240)).notes, Contains(cut_out));
-  EXPECT_THAT(load(raw(ToyRig(), kSize), for_images(320, 240)).notes, Contains(cut_out));
-  EXPECT_THAT(load(own, for_images(1280, 960)).notes, Not(Contains(HasSubstr("cut out"))));
+  EXPECT_THAT(texts(load(own, for_images(320, 240)).notes), Contains(cut_out));
+  EXPECT_THAT(texts(load(raw(ToyRig(), kSize), for_images(320, 240)).notes), Contains(cut_out));
+  EXPECT_THAT(texts(load(own, for_images(1280, 960)).notes), Not(Contains(HasSubstr("cut out"))));
   auto resized = for_images(320, 240);
   resized.images_are_resized = true;
-  EXPECT_THAT(load(own, resized).notes, Not(Contains(HasSubstr("cut out"))));
+  EXPECT_THAT(texts(load(own, resized).notes), Not(Contains(HasSubstr("cut out"))));
 }
 
 TEST(Mistakes, HeightsInAnotherUnitAreTold) {
   const std::string own = "fx_px: 400\ncx_px: 320\ncy_px: 240\nbaseline_m: 0.12\nwidth_px: 640\nheight_px: 480\n";
-  EXPECT_THAT(load(own + "height_m: 165\n").notes, Contains(HasSubstr("is it in centimetres (1.65 m)?")));
-  EXPECT_THAT(load(own + "height_m: 1650\n").notes, Contains(HasSubstr("is it in millimetres (1.65 m)?")));
-  EXPECT_THAT(load(own + "height_m: 12\n").notes, Not(Contains(HasSubstr("improbable"))));
+  EXPECT_THAT(texts(load(own + "height_m: 165\n").notes), Contains(HasSubstr("is it in centimetres (1.65 m)?")));
+  EXPECT_THAT(texts(load(own + "height_m: 1650\n").notes), Contains(HasSubstr("is it in millimetres (1.65 m)?")));
+  EXPECT_THAT(texts(load(own + "height_m: 12\n").notes), Not(Contains(HasSubstr("improbable"))));
 }
 
 TEST(Mistakes, SkewIsToldAndLeftOut) {
   ToyRig rig;
   rig.m1(0, 1) = 25.0;
-  EXPECT_THAT(load(raw(rig, kSize)).notes, Contains(HasSubstr("M1: its skew of 25 px is left out")));
+  EXPECT_THAT(texts(load(raw(rig, kSize)).notes), Contains(HasSubstr("M1: its skew of 25 px is left out")));
 }
 
 TEST(Mistakes, NegativeBaselinesNameTheirCauses) {
@@ -190,7 +191,7 @@ TEST(Mistakes, CoefficientsAreNamedAndTwoAreRadial) {
   EXPECT_THAT(fault_of(raw(rig, kSize)), HasSubstr("D2: found 3 coefficients"));
   rig.d1 = rig.d2 = {-0.28, 0.07};
   const auto radial = load(raw(rig, kSize));
-  EXPECT_THAT(radial.notes, Contains(HasSubstr("D1 is read as a pair of radial coefficients")));
+  EXPECT_THAT(texts(radial.notes), Contains(HasSubstr("D1 is read as a pair of radial coefficients")));
   rig.d1 = rig.d2 = {-0.28, 0.07, 0.0, 0.0};
   expect_rectifies(radial, rig);
 }

@@ -58,12 +58,12 @@ void check_no_distortion(const NumberTable& table) {
 }
 
 /// MATLAB's world units are millimetres unless somebody chose others; no two cameras stand 10 m apart, or 10 mm.
-double metres_per_unit(const OpenCvNames& names, const std::vector<double>& t, std::vector<std::string>& notes) {
+double metres_per_unit(const OpenCvNames& names, const std::vector<double>& t, CalibrationNotes& notes) {
   if (!names.is_of_matlab) return 1.0;
   constexpr double kLeastMillimetres = 10.0;
   const bool is_millimetres = std::hypot(t[0], t[1], t[2]) >= kLeastMillimetres;
-  notes.push_back(fmt::format("{} is taken as {} (--baseline M says otherwise)", names.translation,
-                              is_millimetres ? "millimetres, as MATLAB's world units are" : "metres"));
+  notes.push_back({fmt::format("{} is taken as {} (--baseline M says otherwise)", names.translation,
+                               is_millimetres ? "millimetres, as MATLAB's world units are" : "metres")});
   return is_millimetres ? 1e-3 : 1.0;
 }
 
@@ -75,7 +75,7 @@ Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const C
   const bool is_undistorted = !table.has(names.distortions[0]) && !table.has(names.distortions[1]);
   if (is_undistorted) {
     check_no_distortion(table);
-    pair.notes.push_back("the file has no coefficients of distortion: the lenses are taken as free of it");
+    pair.notes.push_back({"the file has no coefficients of distortion: the lenses are taken as free of it"});
   }
   if (!is_undistorted) pair.distortion_keys = names.distortions;
   const auto camera_of = [&](std::size_t side) {
@@ -121,7 +121,8 @@ Calibration read_reprojection(const NumberTable& table, const OpenCvNames& names
   camera.width_px = width_px;
   camera.height_px = height_px;
   calibration.left_name = calibration.right_name = names.reprojection;
-  calibration.notes.push_back("the images are taken as rectified: the camera is that of " + names.reprojection);
+  calibration.notes.push_back(
+      {"the images are taken as rectified: the camera is that of " + names.reprojection, CalibrationNoteKind::told});
   return calibration;
 }
 
@@ -152,12 +153,14 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
   calibration.camera.height_px = height_px;
   if (has_raw)
     calibration.notes.push_back(
-        "the images are taken as rectified because the file holds P1 and P2; M1, D1, M2, D2, R "
-        "and T are ignored (--raw: they are as the cameras gave them)");
+        {"the images are taken as rectified because the file holds P1 and P2; M1, D1, M2, D2, R "
+         "and T are ignored (--raw: they are as the cameras gave them)",
+         CalibrationNoteKind::told});
   else if (table.has("R1") && table.has("R2"))
     calibration.notes.push_back(
-        "the file holds the extrinsics of raw cameras without their intrinsics; the images are taken as rectified. If "
-        "they are not, give the file of the intrinsics too (--right-calib)");
+        {"the file holds the extrinsics of raw cameras without their intrinsics; the images are taken as rectified. If "
+         "they are not, give the file of the intrinsics too (--right-calib)",
+         CalibrationNoteKind::told});
   return calibration;
 }
 

@@ -69,7 +69,7 @@ struct RosCamera {
   std::string key(const char* of_file, const char* of_ros1, const char* of_ros2) const {
     return first_key({of_file, of_ros1, of_ros2}).value_or(prefix + of_file);
   }
-  RectifiedView view(std::vector<std::string>& notes) const {
+  RectifiedView view(CalibrationNotes& notes) const {
     RectifiedView view;
     view.camera.matrix = matrix_of(table, key("camera_matrix", "K", "k"));
     const std::string model_key = prefix + "distortion_model", distortion = key("distortion_coefficients", "D", "d");
@@ -135,7 +135,7 @@ bool shows(const Window& window, const RosCamera& camera, const CalibrationReque
 /// The numbers for the images at hand, where these are the window that the message says.
 /// @param prefix of the camera
 NumberTable windowed(const NumberTable& table, const std::string& prefix, const CalibrationRequest& request,
-                     std::vector<std::string>& notes) {
+                     CalibrationNotes& notes) {
   const RosCamera camera{table, prefix};
   const auto window = window_of(camera);
   if (!window) return table;
@@ -143,10 +143,11 @@ NumberTable windowed(const NumberTable& table, const std::string& prefix, const 
                                  window->x_px, window->y_px);
   if (!shows(*window, camera, request)) {
     if (request.width_px != camera.width_px() || request.height_px != camera.height_px())
-      notes.push_back(fmt::format("{}roi, {}, is left out: it is for images of that size", prefix, place));
+      notes.push_back({fmt::format("{}roi, {}, is left out: it is for images of that size", prefix, place)});
     return table;
   }
-  notes.push_back(fmt::format("{}roi is read as {}, which the images show: cx and cy are those in it", prefix, place));
+  notes.push_back({fmt::format("{}roi is read as {}, which the images show: cx and cy are those in it", prefix, place),
+                   CalibrationNoteKind::told});
   NumberTable shifted = table;
   const auto numbers = [&](std::initializer_list<const char*> names) -> std::vector<double>* {
     const auto key = camera.first_key(names);
@@ -176,8 +177,9 @@ Calibration read_ros_pair(const RosCamera& left, const RosCamera& right, const C
   calibration.camera.height_px = left.height_px();
   if (left.is_distorted() || right.is_distorted())
     calibration.notes.push_back(
-        "the images are taken as rectified (image_rect); the distortion coefficients are ignored (--raw: they are as "
-        "the cameras gave them, image_raw)");
+        {"the images are taken as rectified (image_rect); the distortion coefficients are ignored (--raw: they are as "
+         "the cameras gave them, image_raw)",
+         CalibrationNoteKind::told});
   return calibration;
 }
 
@@ -211,7 +213,7 @@ Calibration read_ros(const NumberTable& table, const CalibrationRequest& request
       table.has("left.projection_matrix") || table.has("right.projection_matrix") || has_messages(table);
   const std::array<std::string, 2> prefixes =
       is_one_file ? std::array<std::string, 2>{"left.", "right."} : std::array<std::string, 2>{};
-  std::vector<std::string> notes, notes_of_right;
+  CalibrationNotes notes, notes_of_right;
   const NumberTable left = windowed(table, prefixes[0], request, notes);
   const NumberTable right =
       windowed(is_one_file ? table : read_right_file(table, request), prefixes[1], request, notes_of_right);

@@ -43,7 +43,7 @@ TEST(LoadCalibration, ReadsKittiObject) {
   EXPECT_EQ(calibration.camera.cy_px, 170);
   EXPECT_EQ(calibration.camera.width_px, 0);
   EXPECT_FALSE(calibration.has_height);
-  EXPECT_THAT(calibration.notes, Contains(HasSubstr("vertical offset of 0.0030 m between P2 and P3")));
+  EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("vertical offset of 0.0030 m between P2 and P3")));
 }
 
 TEST(LoadCalibration, ReadsTheRequestedKittiCameras) {
@@ -53,7 +53,7 @@ TEST(LoadCalibration, ReadsTheRequestedKittiCameras) {
   const auto calibration = load_calibration(folder.write("c", kKittiMatrices), request);
   EXPECT_EQ(calibration.format, "KITTI odometry calib.txt");
   EXPECT_NEAR(calibration.camera.baseline_m, 0.5, kExact);
-  EXPECT_THAT(calibration.notes, Not(Contains(HasSubstr("offset"))));
+  EXPECT_THAT(texts(calibration.notes), Not(Contains(HasSubstr("offset"))));
 }
 
 TEST(LoadCalibration, ReadsKittiRawWithItsImageSize) {
@@ -78,8 +78,8 @@ TEST(LoadCalibration, UndoesTheCameraMatrixWhenCamerasStandAhead) {
                                  "P2: 700 0 600 60 0 700 170 17 0 0 1 0.1\nP3: 700 0 600 -280 0 700 170 0 0 0 1 0\n");
   const auto calibration = load_calibration(path);
   EXPECT_NEAR(calibration.camera.baseline_m, 0.4, kExact);
-  EXPECT_THAT(calibration.notes, Contains(HasSubstr("forward offset of -0.1000 m")));
-  EXPECT_THAT(calibration.notes, Not(Contains(HasSubstr("vertical"))));
+  EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("forward offset of -0.1000 m")));
+  EXPECT_THAT(texts(calibration.notes), Not(Contains(HasSubstr("vertical"))));
 }
 
 TEST(LoadCalibration, ReadsMiddleburyInMillimetres) {
@@ -113,7 +113,7 @@ TEST(LoadCalibration, ReadsOwnYamlBackToTheSameCamera) {
   EXPECT_NEAR(calibration.camera.mount.roll_rad, camera.mount.roll_rad, kExact);
   EXPECT_TRUE(calibration.has_height);
   EXPECT_TRUE(calibration.has_pitch);
-  EXPECT_THAT(calibration.notes, IsEmpty());
+  EXPECT_THAT(texts(calibration.notes), IsEmpty());
 }
 
 TEST(LoadCalibration, LetsTheRequestOverruleTheMount) {
@@ -126,7 +126,7 @@ TEST(LoadCalibration, LetsTheRequestOverruleTheMount) {
   EXPECT_EQ(calibration.camera.mount.pitch_rad, 0.05);
   EXPECT_TRUE(calibration.has_height);
   EXPECT_TRUE(calibration.has_pitch);
-  EXPECT_THAT(calibration.notes, Not(Contains(HasSubstr("assumed"))));
+  EXPECT_THAT(texts(calibration.notes), Not(Contains(HasSubstr("assumed"))));
 }
 
 /// A raw stereo camera as OpenCV would write it; the right camera is turned by a few degrees.
@@ -252,7 +252,7 @@ TEST(LoadCalibration, FindsTheRightRosFileBesideTheLeft) {
   EXPECT_EQ(calibration.format, "ROS camera_info pair");
   EXPECT_NEAR(calibration.camera.baseline_m, 0.12, kExact);
   EXPECT_EQ(calibration.camera.width_px, 640);
-  EXPECT_THAT(calibration.notes, Contains(HasSubstr("image_rect")));
+  EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("image_rect")));
 }
 
 TEST(LoadCalibration, TakesTheRightRosFileAsGiven) {

@@ -80,8 +80,9 @@ TEST(LoadCalibration, HoldsPrincipalPointsOfRawCamerasAgainstTheSize) {
                                        "D1: [0, 0, 0, 0, 0]\nD2: [0, 0, 0, 0, 0]\nR: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
                                        "T: [-0.5, 0, 0]\n"));
   };
-  EXPECT_THAT(load("620, 0, 700, 187").notes, ::testing::Not(::testing::Contains(HasSubstr("principal point"))));
-  EXPECT_THAT(load("420, 0, 700, 187").notes, ::testing::Contains(HasSubstr("M1: the principal point (420.0, 187.0)")));
+  EXPECT_THAT(texts(load("620, 0, 700, 187").notes), ::testing::Not(::testing::Contains(HasSubstr("principal point"))));
+  EXPECT_THAT(texts(load("420, 0, 700, 187").notes),
+              ::testing::Contains(HasSubstr("M1: the principal point (420.0, 187.0)")));
   EXPECT_THAT(error_of([&] { load("180, 0, 700, 610"); }),
               ::testing::AllOf(HasSubstr("M1"), HasSubstr("cx and cy, or width and height, are swapped")));
 }
@@ -127,8 +128,8 @@ TEST(LoadCalibration, ScalesAFileWithoutASizeToHalfImagesAndSaysSo) {
   EXPECT_DOUBLE_EQ(half.camera.fx_px, 350.0);
   EXPECT_DOUBLE_EQ(half.camera.cx_px, 317.25);  // pixels are counted at their middles
   EXPECT_EQ(half.camera.width_px, 640);
-  EXPECT_THAT(half.notes, ::testing::Contains(HasSubstr("images of 1280 x 720 px")));
-  EXPECT_THAT(half.notes, ::testing::Contains(HasSubstr("scaled by 0.5")));
+  EXPECT_THAT(texts(half.notes), ::testing::Contains(HasSubstr("images of 1280 x 720 px")));
+  EXPECT_THAT(texts(half.notes), ::testing::Contains(HasSubstr("scaled by 0.5")));
   EXPECT_EQ(load(1280, 720).camera.fx_px, 700.0);
   EXPECT_THAT(error_of([&] { load(900, 500); }), HasSubstr("--calib-size"));
 }
@@ -169,7 +170,7 @@ TEST(LoadCalibration, ScalesAcrossAndDownWhereImagesAreSaidToBeResized) {
     EXPECT_NEAR(resized.camera.fy_px, 721.5377 * 320 / 375, 1e-6);
     EXPECT_NEAR(resized.camera.cy_px, 173.354 * 320 / 375 - 0.5, 1e-6);
     EXPECT_EQ(resized.camera.height_px, 320);
-    EXPECT_THAT(resized.notes, ::testing::Contains(HasSubstr("scaled by 0.8245 across and 0.8533 down")));
+    EXPECT_THAT(texts(resized.notes), ::testing::Contains(HasSubstr("scaled by 0.8245 across and 0.8533 down")));
   }
   const auto unsized =
       folder.write("own.txt", "P0: 700 0 500 0 0 700 170 0 0 0 1 0\nP1: 700 0 500 -350 0 700 170 0 0 0 1 0\n");
@@ -193,7 +194,7 @@ TEST(LoadCalibration, GoesOnWithImagesWhoseRowsWereCutOffAndSaysSo) {
     const auto cut = load_calibration(file, request);
     EXPECT_EQ(cut.camera.height_px, 320);
     EXPECT_EQ(cut.camera.cy_px, 172.854);
-    EXPECT_THAT(cut.notes,
+    EXPECT_THAT(texts(cut.notes),
                 ::testing::Contains(::testing::AllOf(HasSubstr("the upper 320 rows"), HasSubstr("4.4 degrees down"))));
     request.height_px = 180;  // less than half: something else
     EXPECT_THAT(error_of([&] {
@@ -295,7 +296,7 @@ TEST(LoadCalibration, ScalesToImagesOfOneScale) {
   const auto calibration = load_calibration(path, request);
   EXPECT_DOUBLE_EQ(calibration.camera.fx_px, 360.75);
   EXPECT_EQ(calibration.camera.width_px, 621);
-  EXPECT_THAT(calibration.notes, ::testing::Contains(HasSubstr("scaled by 0.5")));
+  EXPECT_THAT(texts(calibration.notes), ::testing::Contains(HasSubstr("scaled by 0.5")));
 }
 
 }  // namespace

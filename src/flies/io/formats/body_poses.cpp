@@ -16,7 +16,7 @@ struct Placed {
   std::string key;  ///< that its numbers stand at
 };
 
-using ReadCamera = Placed (*)(const NumberTable& table, std::size_t side, std::vector<std::string>& notes);
+using ReadCamera = Placed (*)(const NumberTable& table, std::size_t side, CalibrationNotes& notes);
 
 template <ReadCamera read_camera>
 Calibration read_both(const NumberTable& table, const CalibrationRequest& request) {
@@ -37,7 +37,7 @@ std::array<double, 9> matrix_of_four(const std::vector<double>& numbers) {
   return camera_matrix(numbers[0], numbers[1], numbers[2], numbers[3]);
 }
 
-Placed read_okvis(const NumberTable& table, std::size_t side, std::vector<std::string>& notes) {
+Placed read_okvis(const NumberTable& table, std::size_t side, CalibrationNotes& notes) {
   const std::string of = "cameras." + std::to_string(side) + ".", model = of + "distortion_type";
   const auto &focal = table.require(of + "focal_length", 2), &centre = table.require(of + "principal_point", 2);
   return {{camera_matrix(focal[0], focal[1], centre[0], centre[1]), table.require(of + "distortion_coefficients"),
@@ -47,7 +47,7 @@ Placed read_okvis(const NumberTable& table, std::size_t side, std::vector<std::s
           of + "focal_length"};
 }
 
-Placed read_ov2slam(const NumberTable& table, std::size_t side, std::vector<std::string>& notes) {
+Placed read_ov2slam(const NumberTable& table, std::size_t side, CalibrationNotes& notes) {
   const bool is_left = side == 0;
   const std::string name = is_left ? "left" : "right", end = is_left ? "l" : "r", model = "Camera.model_" + name;
   const auto number = [&](const std::string& of) { return table.require_number("Camera." + of + end); };
@@ -63,7 +63,7 @@ Placed read_ov2slam(const NumberTable& table, std::size_t side, std::vector<std:
   return placed;
 }
 
-Placed read_kimera(const NumberTable& table, std::size_t side, std::vector<std::string>& notes) {
+Placed read_kimera(const NumberTable& table, std::size_t side, CalibrationNotes& notes) {
   const std::string of = side == 0 ? "left_camera_" : "right_camera_";
   return {{matrix_of_four(table.require(of + "intrinsics", 4)), table.require(of + "distortion_coefficients"),
            lens_of(table.word("distortion_model"), "distortion_model", table.source)},

@@ -49,8 +49,7 @@ RawCamera read_camera(const NumberTable& table, const std::string& prefix) {
 
 /// Follows the poses of a socket until there is no next one.
 /// @returns for each socket on the way its pose: that socket from the first
-std::map<int, Pose> way_from(const NumberTable& table, const Sockets& sockets, int first,
-                             std::vector<std::string>& notes) {
+std::map<int, Pose> way_from(const NumberTable& table, const Sockets& sockets, int first, CalibrationNotes& notes) {
   std::map<int, Pose> way;
   Pose pose;
   for (int socket = first; sockets.contains(socket) && !way.contains(socket);) {
@@ -67,8 +66,7 @@ std::map<int, Pose> way_from(const NumberTable& table, const Sockets& sockets, i
   return way;
 }
 
-Pose right_from_left(const NumberTable& table, const Sockets& sockets, int left, int right,
-                     std::vector<std::string>& notes) {
+Pose right_from_left(const NumberTable& table, const Sockets& sockets, int left, int right, CalibrationNotes& notes) {
   const auto from_left = way_from(table, sockets, left, notes), from_right = way_from(table, sockets, right, notes);
   for (const auto& [socket, pose] : from_left)
     if (const auto meets = from_right.find(socket); meets != from_right.end())

@@ -59,7 +59,7 @@ TEST(FoundFormats, OpenCvsYamlNeedsNoBlankBehindColons) {
   const double bf = rectified(rig).p1.at<double>(0, 0) * cv::norm(rig.t);
   const auto calibration = load_calibration(folder.write("c", orb_slam2(rig, ":", bf, true)));
   expect_rectifies(calibration, rig);
-  EXPECT_THAT(calibration.notes, Not(Contains(HasSubstr("Camera.bf"))));
+  EXPECT_THAT(texts(calibration.notes), Not(Contains(HasSubstr("Camera.bf"))));
 }
 
 TEST(FoundFormats, OrbSlam2TakesTheBaselineFromBfWhereItIsNotInP) {
@@ -67,7 +67,7 @@ TEST(FoundFormats, OrbSlam2TakesTheBaselineFromBfWhereItIsNotInP) {
   const ToyRig rig;
   const double bf = rectified(rig).p1.at<double>(0, 0) * cv::norm(rig.t);
   expect_rectifies(load_calibration(folder.write("c", orb_slam2(rig, ": ", bf, false))), rig);
-  EXPECT_THAT(load_calibration(folder.write("c", orb_slam2(rig, ": ", 2.0 * bf, true))).notes,
+  EXPECT_THAT(texts(load_calibration(folder.write("c", orb_slam2(rig, ": ", 2.0 * bf, true))).notes),
               Contains(HasSubstr("Camera.bf says a baseline of 0.24")));
   EXPECT_THAT(error_of([&] {
                 load_calibration(
@@ -89,7 +89,7 @@ TEST(FoundFormats, WideFisheyesKeepTheirMiddle) {
   const auto calibration = load_calibration(folder.write(
       "c", "cam0:\n" + camera(rig.m1) + "cam1:\n  T_cn_cnm1: " + rows(right_from_left(rig)) + "\n" + camera(rig.m2)));
   EXPECT_NEAR(calibration.camera.fx_px, kWidestRectified * 640, 1.0);
-  EXPECT_THAT(calibration.notes, Contains(HasSubstr("the lenses see farther to the side")));
+  EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("the lenses see farther to the side")));
   expect_rectifies(calibration, rig);
 }
 
@@ -182,7 +182,7 @@ TEST(FoundFormats, LensesWithoutCoefficientsAreTakenAsFreeOfDistortion) {
       fmt::format("{{\"width\": 640, \"height\": 480, \"left_intrinsics\": {}, \"right_intrinsics\": {}, "
                   "\"rotation_left_to_right\": {}, \"translation_left_to_right\": {}}}",
                   rows(cv::Mat(rig.m1)), rows(cv::Mat(rig.m2)), rows(cv::Mat(rig.r)), list(numbers(cv::Mat(rig.t))))));
-  EXPECT_THAT(calibration.notes, Contains(HasSubstr("no coefficients of distortion")));
+  EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("no coefficients of distortion")));
   expect_rectifies(calibration, rig);
 }
 
@@ -326,7 +326,7 @@ TEST(FoundFormats, BaselineThatIsSaidOverrulesTheFile) {
               HasSubstr("is it in millimetres (0.12 m)"));
   const auto plain = load_calibration(folder.write("c", rectified_mm), request);
   EXPECT_EQ(plain.camera.baseline_m, 0.12);
-  EXPECT_THAT(plain.notes, Contains(HasSubstr("the baseline is 0.12 m as was said, not 120")));
+  EXPECT_THAT(texts(plain.notes), Contains(HasSubstr("the baseline is 0.12 m as was said, not 120")));
   const auto raw =
       load_calibration(folder.write("c",
                                     "image_width: 640\nimage_height: 480\nM1: [400, 0, 320, 0, 400, 240, 0, 0, 1]\n"

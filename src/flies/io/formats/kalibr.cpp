@@ -37,7 +37,7 @@ RawCamera read_camera(const NumberTable& table, const std::string& camera) {
 
 /// Where a camera stands: the frame of the inertial unit in that of the camera, of files that do not chain cameras.
 /// OpenVINS writes the inverse of what Kalibr does.
-Pose from_inertial(const NumberTable& table, int camera, std::vector<std::string>& notes) {
+Pose from_inertial(const NumberTable& table, int camera, CalibrationNotes& notes) {
   const std::string of_kalibr = name_of(camera) + ".T_cam_imu", of_openvins = name_of(camera) + ".T_imu_cam";
   return table.has(of_kalibr) ? pose_of(table, of_kalibr, notes) : inverse(pose_of(table, of_openvins, notes));
 }
@@ -47,7 +47,7 @@ bool has_inertial(const NumberTable& table, int camera) {
 }
 
 /// The pose of a camera in the frame of the first one: the file chains them.
-Pose from_first(const NumberTable& table, int camera, std::vector<std::string>& notes) {
+Pose from_first(const NumberTable& table, int camera, CalibrationNotes& notes) {
   Pose pose;
   for (int i = 1; i <= camera; ++i) pose = chained(pose_of(table, name_of(i) + ".T_cn_cnm1", notes), pose);
   return pose;

@@ -52,7 +52,7 @@ double metres_per_unit(const NumberTable& table, const std::string& prefix) {
                    fmt::format("found '{}', expected millimeters, centimeters, meters or inches", unit));
 }
 
-Pose read_pose(const NumberTable& table, const std::string& prefix, std::vector<std::string>& notes) {
+Pose read_pose(const NumberTable& table, const std::string& prefix, CalibrationNotes& notes) {
   const auto translation_of = [&](const std::string& key) {
     const auto& t = table.require(key, 3);
     return std::array{t[0], t[1], t[2]};

@@ -103,7 +103,8 @@ TEST(NestedFormats, MatlabsNamesForOpenCvHaveMillimetresAndRowsFirst) {
   };
   for (const auto& [scale, unit] : {std::pair{1e3, "millimetres"}, std::pair{1.0, "metres"}}) {
     const auto calibration = load_calibration(folder.write("c.json", text(scale)));
-    EXPECT_THAT(calibration.notes, Contains(AllOf(HasSubstr("translationOfCamera2 is taken as "), HasSubstr(unit))));
+    EXPECT_THAT(texts(calibration.notes),
+                Contains(AllOf(HasSubstr("translationOfCamera2 is taken as "), HasSubstr(unit))));
     EXPECT_EQ(calibration.camera.width_px, 640);
     expect_rectifies(calibration, rig);
   }
@@ -169,10 +170,11 @@ TEST(NestedFormats, WindowsOfRosAreThoseOfImagesOfTheirSize) {
   const auto unseen = load(0, 0, false), whole = load(640, 480, false), window = load(500, 300, false),
              binned = load(250, 150, false);
   EXPECT_EQ(whole.camera.cx_px, 320.0);
-  EXPECT_THAT(whole.notes, Not(Contains(HasSubstr("roi"))));
+  EXPECT_THAT(texts(whole.notes), Not(Contains(HasSubstr("roi"))));
   EXPECT_EQ(unseen.camera.cx_px, 320.0);
-  EXPECT_THAT(unseen.notes, Contains(HasSubstr("roi, a window of 500 x 300 px at column 100, row 40, is left out")));
-  EXPECT_THAT(window.notes, Contains(HasSubstr("roi is read as a window of 500 x 300 px")));
+  EXPECT_THAT(texts(unseen.notes),
+              Contains(HasSubstr("roi, a window of 500 x 300 px at column 100, row 40, is left out")));
+  EXPECT_THAT(texts(window.notes), Contains(HasSubstr("roi is read as a window of 500 x 300 px")));
   EXPECT_EQ(window.camera.cx_px, 220.0);
   EXPECT_EQ(window.camera.cx_right_px, 220.0);
   EXPECT_EQ(window.camera.cy_px, 200.0);

@@ -48,17 +48,20 @@ Calibration read_rectified(const NumberTable& table, const std::string& prefix, 
   calibration.left_name = calibration.right_name = prefix + "fx";
   if (std::any_of(raw.distortion.begin(), raw.distortion.end(), [](double d) { return d != 0.0; }))
     calibration.notes.push_back(
-        "the images are taken as rectified because the file has a baseline and no pose of the right camera; its "
-        "coefficients of distortion are ignored");
+        {"the images are taken as rectified because the file has a baseline and no pose of the right camera; its "
+         "coefficients of distortion are ignored",
+         CalibrationNoteKind::told});
   if (opencv_names(table).has_matrices)
     calibration.notes.push_back(
-        "the images are taken as rectified, as Camera.fx and Camera.bf are; the file also holds camera matrices of raw "
-        "cameras, which are ignored");
+        {"the images are taken as rectified, as Camera.fx and Camera.bf are; the file also holds camera matrices of "
+         "raw "
+         "cameras, which are ignored",
+         CalibrationNoteKind::told});
   return calibration;
 }
 
 /// ORB-SLAM2 of raw images: how each of them is rectified.
-RectifiedView read_view(const NumberTable& table, const std::string& side, std::vector<std::string>& notes) {
+RectifiedView read_view(const NumberTable& table, const std::string& side, CalibrationNotes& notes) {
   RectifiedView view;
   view.camera.matrix = matrix_of(table, side + ".K");
   view.camera.distortion = table.require(side + ".D");
@@ -71,7 +74,7 @@ RectifiedView read_view(const NumberTable& table, const std::string& side, std::
 
 /// ORB-SLAM2 takes of `P` what is left of its last column, and the baseline from `Camera.bf`.
 void check_baselines(const NumberTable& table, const RectifiedView& left, RectifiedView& right,
-                     std::vector<std::string>& notes) {
+                     CalibrationNotes& notes) {
   if (!table.has("Camera.bf") || !table.has("Camera.fx")) return;
   const double fx_px = table.require_number("Camera.fx"), by_bf_m = table.require_number("Camera.bf") / fx_px;
   double& last = right.projection[3];
@@ -80,9 +83,9 @@ void check_baselines(const NumberTable& table, const RectifiedView& left, Rectif
   constexpr double kRounding = 0.02;
   if (std::abs(by_bf_m - by_p_m) > kRounding * std::abs(by_p_m))
     notes.push_back(
-        fmt::format("Camera.bf says a baseline of {:.4g} m, LEFT.P and RIGHT.P one of {:.4g} m, which is taken: are "
-                    "they of another camera?",
-                    by_bf_m, by_p_m));
+        {fmt::format("Camera.bf says a baseline of {:.4g} m, LEFT.P and RIGHT.P one of {:.4g} m, which is taken: are "
+                     "they of another camera?",
+                     by_bf_m, by_p_m)});
 }
 
 ImageSize size_of_views(const NumberTable& table) {

@@ -77,7 +77,7 @@ std::array<double, 9> rotation_about(const std::array<double, 3>& axis_angle) {
   return rotation;
 }
 
-std::array<double, 9> rotation_of(const NumberTable& table, const std::string& key, std::vector<std::string>& notes) {
+std::array<double, 9> rotation_of(const NumberTable& table, const std::string& key, CalibrationNotes& notes) {
   const auto& numbers = table.require(key);
   std::array<double, 9> rotation{};
   if (numbers.size() == rotation.size()) {
@@ -91,20 +91,23 @@ std::array<double, 9> rotation_of(const NumberTable& table, const std::string& k
   const bool is_vector = numbers.size() == 3;
   rotation = is_vector ? rotation_about({numbers[0], numbers[1], numbers[2]})
                        : rotation_of_quaternion(numbers, table.source, key);
-  notes.push_back(fmt::format("{} is read as a {}, {:.3g} degrees", key,
-                              is_vector ? "rotation vector (OpenCV's Rodrigues, radians)" : "quaternion",
-                              angle_deg(rotation)));
+  notes.push_back(
+      {fmt::format("{} is read as a {}, {:.3g} degrees", key,
+                   is_vector ? "rotation vector (OpenCV's Rodrigues, radians)" : "quaternion", angle_deg(rotation)),
+       CalibrationNoteKind::told});
   return rotation;
 }
 
-Pose pose_of(const NumberTable& table, const std::string& key, std::vector<std::string>& notes) {
+Pose pose_of(const NumberTable& table, const std::string& key, CalibrationNotes& notes) {
   const auto& m = table.require(key);
   if (m.size() != 12 && m.size() != 16)
     throw InputError(table.source, key,
                      fmt::format("found {} numbers, expected 16 of a 4 x 4 or 12 of a 3 x 4 pose", m.size()));
   if (stands_by_columns(m)) {
-    auto note = fmt::format(
-        "{} is transposed (its translation stands in the last row, as MATLAB writes it) and is read so", key);
+    CalibrationNote note{
+        fmt::format("{} is transposed (its translation stands in the last row, as MATLAB writes it) and is read so",
+                    key),
+        CalibrationNoteKind::told};
     // Both cameras' files may have the key, and chains share poses.
     if (std::ranges::find(notes, note) == notes.end()) notes.push_back(std::move(note));
     return pose_of_columns(m, m.size() == 12 ? 3 : 4);

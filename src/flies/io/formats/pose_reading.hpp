@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "flies/io/calibration.hpp"
 #include "flies/io/formats/pose.hpp"
 #include "flies/io/number_table.hpp"
 
@@ -16,13 +17,13 @@ std::array<double, 9> rotation_about(const std::array<double, 3>& axis_angle);
 /// number tells, as that of two cameras that look the same way.
 /// @param notes takes what is to be told: another form than 9 numbers
 /// @throws InputError when it is missing, of another count, or a quaternion that is not of length 1
-std::array<double, 9> rotation_of(const NumberTable& table, const std::string& key, std::vector<std::string>& notes);
+std::array<double, 9> rotation_of(const NumberTable& table, const std::string& key, CalibrationNotes& notes);
 
 /// A rigid motion: 4 x 4 or 3 x 4 numbers, row by row or column by column (the translation below, MATLAB's way), which
 /// only one of can be.
 /// @param notes takes what is to be told, once: that it stands column by column
 /// @throws InputError when it is missing, of another count, or neither
-Pose pose_of(const NumberTable& table, const std::string& key, std::vector<std::string>& notes);
+Pose pose_of(const NumberTable& table, const std::string& key, CalibrationNotes& notes);
 
 /// @returns what is improbable: cameras turned so much against each other that they see little of the same; empty when
 ///          nothing is

@@ -64,7 +64,7 @@ TEST(Poses, RotationVectorsAndQuaternionsOfOpenCvRectifyAsTheMatrixDoes) {
     SCOPED_TRACE(pose);
     const auto calibration = load_calibration(folder.write("c", opencv(rig, pose + t_of(rig))));
     expect_rectifies(calibration, rig);
-    EXPECT_THAT(calibration.notes, Contains(HasSubstr("is read as a")));
+    EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("is read as a")));
   }
   const std::string xml = fmt::format(
       "<?xml version=\"1.0\"?>\n<opencv_storage>\n<imageSize>640 480</imageSize>\n<M1><data>{}</data></M1>\n"
@@ -108,10 +108,10 @@ TEST(Poses, RotationVectorsInDegreesAreRefused) {
   EXPECT_THAT(error_of([&] { load_calibration(folder.write("c", opencv(rig, "R: [1.1, -1.7, 0.9]\n" + t_of(rig)))); }),
               HasSubstr("degrees where radians are expected"));
   const auto turned = load_calibration(folder.write("c", opencv(rig, "R: [0.0, 0.6, 0.0]\n" + t_of(rig))));
-  EXPECT_THAT(turned.notes, Contains(HasSubstr("turns the right camera by 34.4 degrees")));
+  EXPECT_THAT(texts(turned.notes), Contains(HasSubstr("turns the right camera by 34.4 degrees")));
   const auto level = load_calibration(folder.write("c", opencv(rig, entry("R", rows(cv::Mat(rig.r))) + t_of(rig))));
-  EXPECT_THAT(level.notes, Not(Contains(HasSubstr("turns the right"))));
-  EXPECT_THAT(level.notes, Not(Contains(HasSubstr("is read as a"))));
+  EXPECT_THAT(texts(level.notes), Not(Contains(HasSubstr("turns the right"))));
+  EXPECT_THAT(texts(level.notes), Not(Contains(HasSubstr("is read as a"))));
   EXPECT_THAT(
       error_of([&] { load_calibration(folder.write("c", opencv(rig, "R: [0.5, 0.5, 0.5, 0.5]\n" + t_of(rig)))); }),
       HasSubstr("R: found 4 numbers"));
@@ -138,9 +138,10 @@ TEST(Poses, AreReadByRowsAndByColumns) {
         "c", "cam0:\n" + kalibr(rig.m1, rig.d1) + "cam1:\n  T_cn_cnm1: " + pose + "\n" + kalibr(rig.m2, rig.d2)));
     expect_rectifies(of_kalibr, rig);
     const bool is_told = order++ >= 4;
-    EXPECT_EQ(std::ranges::any_of(of_kalibr.notes,
-                                  [](const std::string& note) { return note.find("transposed") != note.npos; }),
-              is_told);
+    EXPECT_EQ(
+        std::ranges::any_of(of_kalibr.notes,
+                            [](const CalibrationNote& note) { return note.text.find("transposed") != note.text.npos; }),
+        is_told);
     expect_rectifies(load_calibration(folder.write("c", opencv(rig, entry("T", pose)))), rig);
     expect_rectifies(load_calibration(folder.write("c", opencv(rig, entry("RT", pose)))), rig);
   }
@@ -166,7 +167,7 @@ TEST(Poses, OfKalibrsCamerasAgainstTheInertialUnitRectify) {
       load_calibration(folder.write("c", "cam0:\n" + camera("T_imu_cam: " + rows(left.t()), rig.m1, rig.d1) +
                                              "cam1:\n" + camera("T_imu_cam: " + rows(right), rig.m2, rig.d2)));
   expect_rectifies(transposed, rig);
-  EXPECT_THAT(transposed.notes, Contains(HasSubstr("cam0.T_imu_cam is transposed")));
+  EXPECT_THAT(texts(transposed.notes), Contains(HasSubstr("cam0.T_imu_cam is transposed")));
 }
 
 TEST(Poses, OfBodiesAreReadByRowsAndByColumns) {

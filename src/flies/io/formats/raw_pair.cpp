@@ -42,7 +42,7 @@ StereoCamera rectified_of(const RawCamera& camera, const RawStereo& raw) {
 
 /// The size of a file without one: what the user said, what the principal point tells, or that of the images.
 ImageSize size_of_unsized_pair(const RawStereo& raw, const CalibrationRequest& request, const std::string& source,
-                               std::vector<std::string>& notes) {
+                               CalibrationNotes& notes) {
   if (request.calibrated_width_px > 0) return {request.calibrated_width_px, request.calibrated_height_px};
   if (request.images_are_resized)
     throw InputError(source, "image size", "is not in the file: say what the images were resized from (--calib-size)");
@@ -50,7 +50,7 @@ ImageSize size_of_unsized_pair(const RawStereo& raw, const CalibrationRequest& r
     throw InputError(source, "image_width, image_height", "are missing, and rectifying needs the size of the images");
   const StereoCamera left = rectified_of(raw.left, raw);
   if (const auto deduced = size_of_unsized(left, request.width_px, request.height_px)) {
-    notes.push_back(note_on_deduced_size(left.cx_px, left.cy_px, (*deduced)[0], (*deduced)[1]));
+    notes.push_back({note_on_deduced_size(left.cx_px, left.cy_px, (*deduced)[0], (*deduced)[1])});
     return {(*deduced)[0], (*deduced)[1]};
   }
   check_size_of_unsized(left, request.width_px, request.height_px, source);
@@ -60,7 +60,7 @@ ImageSize size_of_unsized_pair(const RawStereo& raw, const CalibrationRequest& r
 
 /// Sees to it that the pair has a size, and not width for height.
 void settle_size(RawStereo& raw, const CalibrationRequest& request, const std::string& source,
-                 std::vector<std::string>& notes) {
+                 CalibrationNotes& notes) {
   if (raw.width_px == 0 || raw.height_px == 0) {
     const auto [width_px, height_px] = size_of_unsized_pair(raw, request, source, notes);
     raw.width_px = width_px;
@@ -68,29 +68,29 @@ void settle_size(RawStereo& raw, const CalibrationRequest& request, const std::s
   }
   if (!has_exchanged_size(rectified_of(raw.left, raw), request.width_px, request.height_px)) return;
   std::swap(raw.width_px, raw.height_px);
-  notes.push_back(note_on_exchanged_size(raw.width_px, raw.height_px));
+  notes.push_back({note_on_exchanged_size(raw.width_px, raw.height_px)});
 }
 
 /// What is improbable, and yet read, of the cameras.
-std::vector<std::string> notes_on(const RawPair& pair, const std::string& source) {
+CalibrationNotes notes_on(const RawPair& pair, const std::string& source) {
   const auto& raw = pair.stereo;
-  std::vector<std::string> notes;
-  if (auto note = check_turn(raw.rotation, source, pair.pose_key); !note.empty()) notes.push_back(std::move(note));
+  CalibrationNotes notes;
+  if (auto note = check_turn(raw.rotation, source, pair.pose_key); !note.empty()) notes.push_back({std::move(note)});
   for (const auto& [camera, key] : {std::pair{&raw.left, &pair.left_key}, std::pair{&raw.right, &pair.right_key}}) {
     const StereoCamera rectified = rectified_of(*camera, raw);
     for (const auto& note : check_focal_length(rectified, source, *key, camera->lens != Lens::brown))
-      notes.push_back(*key + ": " + note);
-    if (auto note = note_on_skew(*camera, *key); !note.empty()) notes.push_back(std::move(note));
+      notes.push_back({*key + ": " + note});
+    if (auto note = note_on_skew(*camera, *key); !note.empty()) notes.push_back({std::move(note)});
   }
   for (const auto& [camera, key] : {std::pair{&raw.left, &pair.left_key}, std::pair{&raw.right, &pair.right_key}})
     if (auto note = note_on_lens(*camera, *key, raw.width_px, raw.height_px); !note.empty()) {
-      notes.push_back(std::move(note));
+      notes.push_back({std::move(note)});
       break;  // both have the same lens
     }
   for (const auto& [camera, key] : {std::pair{&raw.left, &pair.left_key}, std::pair{&raw.right, &pair.right_key}})
     if (const auto note =
             check_principal_point(camera->matrix[2], camera->matrix[5], raw.width_px, raw.height_px, source, *key))
-      notes.push_back(*key + ": " + *note);
+      notes.push_back({*key + ": " + *note});
   return notes;
 }
 
@@ -101,20 +101,21 @@ void complete_distortion(RawPair& pair) {
     auto& d = camera->distortion;
     if (camera->lens != Lens::brown || (!d.empty() && d.size() != kRadial)) continue;
     if (d.size() == kRadial && camera == &pair.stereo.left)
-      pair.notes.push_back(pair.left_distortion() + " is read as a pair of radial coefficients, k1 and k2");
+      pair.notes.push_back(
+          {pair.left_distortion() + " is read as a pair of radial coefficients, k1 and k2", CalibrationNoteKind::told});
     d.resize(d.empty() ? kAll : kFewest, 0.0);
   }
 }
 
 /// @throws InputError with what was noted before, which often says why there is no rectification
-Rectifier rectifier_of(const RawStereo& raw, const std::string& source, const std::vector<std::string>& notes) {
+Rectifier rectifier_of(const RawStereo& raw, const std::string& source, const CalibrationNotes& notes) {
   try {
     return Rectifier(raw, source);
   } catch (const InputError& error) {
     if (notes.empty()) throw;
     const std::string message = error.what();
     const std::string complaint = message.starts_with(source + ": ") ? message.substr(source.size() + 2) : message;
-    throw InputError(source, "", fmt::format("{}; {}", complaint, fmt::join(notes, "; ")));
+    throw InputError(source, "", fmt::format("{}; {}", complaint, fmt::join(texts(notes), "; ")));
   }
 }
 
@@ -144,10 +145,12 @@ Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request
   constexpr double kRounding = 1.01;
   if (share < kRounding * kWidestRectified)
     calibration.notes.push_back(
-        fmt::format("the lenses see farther to the side than a rectified image can show, of which {:.0f} degrees stay",
-                    2.0 * std::atan(0.5 / share) * 180.0 / std::numbers::pi));
+        {fmt::format("the lenses see farther to the side than a rectified image can show, of which {:.0f} degrees stay",
+                     2.0 * std::atan(0.5 / share) * 180.0 / std::numbers::pi),
+         CalibrationNoteKind::told});
   calibration.notes.push_back(
-      fmt::format("the images are taken as raw and rectified first, with the {} model", lens_name(raw.left.lens)));
+      {fmt::format("the images are taken as raw and rectified first, with the {} model", lens_name(raw.left.lens)),
+       CalibrationNoteKind::told});
   return calibration;
 }
 

@@ -143,8 +143,9 @@ Calibration read_realsense(const NumberTable& table, const CalibrationRequest& r
                extrinsic_of(streams.left, streams.right)};
   set_pose(pair.stereo, pose_between(table, streams));
   if (request.width_px == 0 && sizes.size() > 1)
-    pair.notes.push_back(fmt::format("of {} sizes in the file the largest was taken, {} x {} px", sizes.size(),
-                                     size.width_px, size.height_px));
+    pair.notes.push_back({fmt::format("of {} sizes in the file the largest was taken, {} x {} px", sizes.size(),
+                                      size.width_px, size.height_px),
+                          CalibrationNoteKind::told});
   if (!is_rectified(pair.stereo)) return calibration_from_raw(std::move(pair), request, table.source);
   Calibration calibration;
   calibration.notes = std::move(pair.notes);

@@ -69,7 +69,7 @@ Calibration read_vins(const NumberTable& table, const CalibrationRequest& reques
   RawPair pair{{}, left.source, right.source, "body_T_cam1"};
   if (left.source == right.source) {
     pair.left_key = pair.right_key = "projection_parameters";
-    pair.notes.push_back("both cameras have the lens that the file describes once");
+    pair.notes.push_back({"both cameras have the lens that the file describes once", CalibrationNoteKind::told});
   }
   pair.stereo.left = read_camera(left);
   pair.stereo.right = read_camera(right);

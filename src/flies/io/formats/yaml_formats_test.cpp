@@ -57,7 +57,7 @@ TEST(Formats, KalibrOfPinholesAndFisheyesRectifies) {
 TEST(Formats, FisheyeUnderThePinholesNameIsTold) {
   const TemporaryFolder folder;
   const auto notes = [&](const ToyRig& rig, const char* model) {
-    return fmt::format("{}", fmt::join(load_calibration(folder.write("c", kalibr(rig, model))).notes, "; "));
+    return fmt::format("{}", fmt::join(texts(load_calibration(folder.write("c", kalibr(rig, model))).notes), "; "));
   };
   EXPECT_THAT(notes(ToyRig::of(Lens::brown, {-0.0088, 0.0463, -0.0441, 0.0083}, 420), "radtan"),
               HasSubstr("cam0: a tangential coefficient p1 of -0.0441 is improbable"));
@@ -201,7 +201,7 @@ TEST(Formats, VinsFusionReadsTheFilesThatItNamesAndRectifies) {
       folder.write("transposed.yaml", "%YAML:1.0\n---\ncam0_calib: \"cam0_any.yaml\"\ncam1_calib: \"cam1_any.yaml\"\n" +
                                           opencv_matrix("body_T_cam0", cv::Mat::eye(4, 4, CV_64F)) +
                                           opencv_matrix("body_T_cam1", right_from_left(rig).inv().t())));
-  EXPECT_THAT(fmt::format("{}", fmt::join(transposed.notes, "; ")), HasSubstr("body_T_cam1 is transposed"));
+  EXPECT_THAT(fmt::format("{}", fmt::join(texts(transposed.notes), "; ")), HasSubstr("body_T_cam1 is transposed"));
   expect_rectifies(transposed, rig);
   EXPECT_THAT(error_of([&] { load_calibration(folder.file("cam0_any.yaml")); }),
               HasSubstr("body_T_cam0, body_T_cam1: are missing: this file describes one camera"));
