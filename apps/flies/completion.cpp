@@ -45,6 +45,10 @@ std::string bash_script(const CLI::App& app) {
       "    COMPREPLY=($(compgen -W '{} --help --version' -- \"$current\"))\n"
       "    return\n"
       "  fi\n"
+      "  if [[ ${{COMP_WORDS[1]}} == completion && $current != -* ]]; then\n"
+      "    COMPREPLY=($(compgen -W 'bash zsh' -- \"$current\"))\n"
+      "    return\n"
+      "  fi\n"
       "  [[ $current == -* ]] || return 0  # files, by -o default\n"
       "  case ${{COMP_WORDS[1]}} in\n{}"
       "  esac\n"
@@ -78,11 +82,14 @@ std::string zsh_script(const CLI::App& app) {
       "  esac\n"
       "  if [[ $words[CURRENT] == -* ]]; then\n"
       "    _describe option options\n"
+      "  elif [[ $words[2] == completion ]]; then\n"
+      "    compadd bash zsh\n"
       "  else\n"
       "    _files\n"
       "  fi\n"
       "}}\n"
-      "compdef _flies flies 2>/dev/null || _flies \"$@\"\n",
+      "# From a folder of fpath this is the body of _flies itself; sourced, it is told to zsh.\n"
+      "if [[ $funcstack[1] == _flies ]]; then _flies \"$@\"; else compdef _flies flies; fi\n",
       commands, cases);
 }
 
@@ -95,7 +102,7 @@ void setup_completion(CLI::App& app) {
   command->footer(
       "\nExamples:\n"
       "  source <(flies completion bash)\n"
-      "  flies completion zsh > ~/.zfunc/_flies   in a folder of fpath\n"
+      "  flies completion zsh > ~/.zfunc/_flies    # where ~/.zfunc is in fpath\n"
       "\nExit status: 0 done, 2 an unknown shell.");
   command->callback([&app, shell] { print(*shell == "bash" ? bash_script(app) : zsh_script(app)); });
 }

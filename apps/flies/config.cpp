@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "flies/core/options.hpp"
 #include "shared/commands.hpp"
@@ -13,12 +15,12 @@ namespace {
 
 struct ConfigArguments {
   MethodArguments method;
+  Overrides following;
   bool list = false;
 };
 
 /// Name, value, what is allowed and meaning of every option, a line each.
-std::string option_table(const flies::DetectorOptions& options) {
-  const auto listings = flies::list_options(options);
+std::string option_table(const std::vector<flies::OptionListing>& listings) {
   std::size_t path_width = 6, value_width = 5, allowed_width = 7;
   for (const auto& listing : listings) {
     path_width = std::max(path_width, listing.path.size());
@@ -37,8 +39,12 @@ std::string option_table(const flies::DetectorOptions& options) {
 
 void run_config(const ConfigArguments& arguments) {
   const flies::DetectorOptions options = effective_options(arguments.method);
+  const flies::TrackerOptions following = following_options(arguments.method, arguments.following);
   const std::string people_model = people_model_of(arguments.method);
-  print(arguments.list ? option_table(options) : options_file_text(options, people_model));
+  if (!arguments.list) return print(options_file_text(options, following, people_model));
+  auto listings = flies::list_options(options);
+  for (auto& listing : flies::list_options(following)) listings.push_back(std::move(listing));
+  print(option_table(listings));
 }
 
 }  // namespace
@@ -48,9 +54,11 @@ void setup_config(CLI::App& app) {
   const auto arguments = std::make_shared<ConfigArguments>();
   command->add_flag("--list", arguments->list, "a table of every option: value, what is allowed, meaning");
   add_method_options(*command, arguments->method);
+  add_listed_options<flies::TrackerOptions>(*command, "", "", arguments->following);
   command->footer(
       "\nThe options are those of the preset, overruled by --options FILE, overruled by options on the\n"
-      "command line such as --evolve.flies 3000. The YAML that is printed can be fed back by --options.\n"
+      "command line such as --evolve.flies 3000. The YAML that is printed can be fed back by --options; where\n"
+      "nothing is followed from pair to pair, its options of following, ego.* and track.*, do nothing.\n"
       "\nExample:\n"
       "  flies config --preset paper --evolve.generations 2 > mine.yaml\n"
       "  flies detect left.png right.png --calib calib.txt --options mine.yaml\n"

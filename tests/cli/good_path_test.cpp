@@ -206,10 +206,11 @@ TEST_F(Detect, PairsFoldersInNameOrderAndNamesTheFilesOfEachFrame) {
 
 TEST(Config, FeedsBackToItself) {
   const TestFolder folder;
-  const RunResult first = run_flies(
-      folder.path(), {"config", "--preset", "paper", "--evolve.flies", "1234", "--fitness.noise_gray", "0.1"});
+  const RunResult first = run_flies(folder.path(), {"config", "--preset", "paper", "--evolve.flies", "1234",
+                                                    "--fitness.noise_gray", "0.1", "--ego.corners", "123"});
   ASSERT_EQ(first.status, 0) << first.err;
   EXPECT_THAT(first.out, HasSubstr("flies: 1234"));
+  EXPECT_THAT(first.out, HasSubstr("corners: 123"));
   write_text(folder.path() / "options.yaml", first.out);
   const RunResult second = run_flies(folder.path(), {"config", "--options", "options.yaml"});
   EXPECT_EQ(second.out, first.out);
@@ -246,11 +247,35 @@ TEST(Config, CommandLineOverrulesFileOverrulesPreset) {
   EXPECT_THAT(result.out, HasSubstr("function: covariance"));
 }
 
+TEST(Config, OptionsOfFollowingAreForWhoFollows) {
+  const TestFolder folder;
+  write_street(folder.path());
+  write_text(folder.path() / "options.yaml", "ego: {corners: 123}\ntrack.min_probability: 0.7\n");
+  for (const char* side : {"left", "right"}) {
+    fs::create_directory(folder.path() / side);
+    fs::copy_file(folder.path() / (std::string(side) + ".png"), folder.path() / side / "0.png");
+  }
+  const auto of_track = [&](const Words& more) {
+    Words words = {"track", "left", "right", "--calib", "calib.txt", "--options", "options.yaml", "--json", "-"};
+    words.insert(words.end(), more.begin(), more.end());
+    return found(folder, words).at(0).at("run").at("options");
+  };
+  EXPECT_EQ(of_track({}).at("ego.corners"), 123);
+  EXPECT_EQ(of_track({"--ego.corners", "150"}).at("ego.corners"), 150);
+  EXPECT_EQ(of_track({}).at("track.min_probability"), 0.7);
+  EXPECT_FALSE(found(folder, detect({"--json", "-", "--options", "options.yaml"})).at(0).at("obstacles").empty());
+  write_text(folder.path() / "options.yaml", "ego: {corner: 123}\n");
+  const RunResult wrong = run_flies(folder.path(), detect({"--options", "options.yaml"}));
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("ego.corner: unknown option; the nearest known one is 'ego.corners'"));
+}
+
 TEST(Config, ListsEveryOptionOnALine) {
   const TestFolder folder;
   const RunResult result = run_flies(folder.path(), {"config", "--list"});
   EXPECT_EQ(result.status, 0);
   EXPECT_THAT(result.out, HasSubstr("evolve.flies "));
+  EXPECT_THAT(result.out, HasSubstr("track.min_probability "));
   EXPECT_THAT(result.out, HasSubstr("louchet|covariance|correlation"));
   for (const auto& line : lines(result.out)) EXPECT_THAT(line, ::testing::ContainsRegex("^[a-z][a-z_0-9.]*  "));
 }

@@ -256,6 +256,15 @@ try {
   run = await start(Number(port));
   await until(page, () => document.getElementById("connection").textContent === "connected");
   await until(page, () => Number(document.body.dataset.number) > 2);
+  const sliders = await page.evaluate(async () => {
+    const { options } = await (await fetch("api/state")).json();
+    return Object.entries(options).map(([path, { value }]) => {
+      const slider = document.getElementById(`option-${path.replace(".", "-")}`);
+      return { path, value, shown: Number(slider.value), step: Number(slider.step) };
+    });
+  });
+  for (const { path, value, shown, step } of sliders)
+    assert.ok(Math.abs(shown - value) <= step, `${path} of the new run: ${shown}, ${value}`);
 
   assert.deepEqual(complaints, [], "nothing in the browser's console");
   await stop(run);

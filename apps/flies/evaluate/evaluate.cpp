@@ -201,7 +201,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
   context.options = effective_options(arguments.method);
   context.measuring = measuring_of(arguments);
   context.dense = with_overrides<flies::DenseOptions>(arguments.dense);
-  context.tracker = with_overrides<flies::TrackerOptions>(arguments.tracker);
+  context.tracker = following_options(arguments.method, arguments.tracker);
   context.hog = with_overrides<flies::HogOptions>(arguments.hog);
 
   flies::Dataset dataset = flies::open_dataset(arguments.folder, dataset_request(arguments));

@@ -58,6 +58,11 @@ constexpr int kFoxglovePort = 8765;  // where Foxglove looks first
 
 int port_number(const std::string& text, const std::string& option) {
   constexpr int kMost = 65535;
+  if (text.find_first_not_of("0123456789-+") != text.npos)
+    throw flies::InputError("command line", option,
+                            fmt::format("found '{}', expected a port or none: where '{}' is a source, give it before "
+                                        "{}",
+                                        text, text, option));
   const auto port = flies::detail::parse_int(text, {0, kMost}, option, "command line");
   return static_cast<int>(port);
 }
@@ -104,7 +109,7 @@ LiveRequest live_request(LiveArguments& arguments) {
   request.camera = arguments.camera;
   request.corrections = arguments.corrections;
   request.method = arguments.method;
-  request.following = with_overrides<flies::TrackerOptions>(arguments.following);
+  request.following = following_options(arguments.method, arguments.following);
   request.classifier = classifier_of(arguments.method);
   request.max_pairs = arguments.max_pairs;
   return request;

@@ -46,10 +46,13 @@ struct LiveFrame {
   std::shared_ptr<const flies::Snapshot> snapshot;
   flies::StereoCamera camera;
   GroundPose pose;
-  std::uint64_t dropped = 0;                                   ///< pairs so far, by all engines of the run
-  std::shared_ptr<const flies::DetectorOptions> options = {};  ///< that this pair was worked on with
+  std::uint64_t dropped = 0;  ///< pairs so far, by all engines of the run
+  std::shared_ptr<const flies::DetectorOptions> options =
+      {};  ///< these and the next are what this pair was worked on with
+  std::shared_ptr<const flies::TrackerOptions> following = {};
   std::string preset = {};
   std::shared_ptr<const flies::RunRecord> run = {};
+  std::shared_ptr<const flies::DiagnosisRecord> diagnosis = {};
   std::uint64_t began_ns = 0;  ///< nanoseconds since 1970 at time 0 of the pairs
   std::shared_ptr<FrameEncodings> encodings = std::make_shared<FrameEncodings>();
 

@@ -2,6 +2,7 @@
 
 #include <mutex>
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "flies/core/mat_view.hpp"
 #include "flies/io/image_codecs.hpp"
@@ -19,7 +20,8 @@ TrackedFrame tracked_frame(const LiveFrame& frame) {
                              .skew_ms = 1e3 * frame.pair->skew_s,
                              .dropped = frame.dropped,
                              .skipped = frame.pair->skipped},
-          .run = frame.run};
+          .run = frame.run,
+          .diagnosis = frame.diagnosis ? std::optional(*frame.diagnosis) : std::nullopt};
 }
 
 const std::string& json_line(const LiveFrame& frame) {

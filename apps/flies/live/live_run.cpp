@@ -105,7 +105,7 @@ void LiveRun::calibrate(const flies::StereoFrame& frame) {
   const flies::RectifiedPair view = frame.images.view();
   calibration_ = flies::load_calibration(request_.calib,
                                          calibration_request(request_.camera, frame.left_name, frame.right_name, view));
-  for (const auto& note : calibration_->notes) say(request_.calib + ": " + note);
+  for (const auto& note : calibration_->notes) say(request_.calib + ": " + note.text);
   const flies::GrayPair images =
       calibration_->rectifier ? calibration_->rectifier->rectify(frame.images) : frame.images;
   const flies::RectifiedPair pair = images.view();
@@ -138,30 +138,52 @@ bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
   std::vector<flies::GrayPair> sample;
   for (const auto& one : first)
     sample.push_back(calibration_->rectifier ? calibration_->rectifier->rectify(one.images) : one.images);
+  const flies::Calibration told = *calibration_;
   diagnosis_ = diagnose_sample(std::move(sample), *calibration_, request_.corrections);
+  if (!is_settled(diagnosis_, request_.corrections)) later_.emplace(told, request_.corrections);
   for (const auto& note : first.front().images.notes) say(note);
   if (const auto note = flies::mosaic_note(first.front().images.view())) say(*note);
   for (const auto& note : diagnosis_.notes) say(note);
   for (const auto& note : fit_options()) say(note);
+  {
+    const std::lock_guard lock(mutex_);
+    options_changed_ = false;
+    worker_ = new_worker(options_, preset_, following_, next_number_);
+  }
+  say_run(*worker_->record);
   return true;
 }
 
-/// To the camera, and what was set meanwhile on top; the first worker is made so.
+/// Takes up what pairs show that come after the first ones: camera and options are fitted to it from the next pair on.
+/// @param images rectified, rows as they came
+void LiveRun::diagnose_later(const flies::GrayPair& images, double time_s) {
+  later_->offer(images, time_s);
+  auto found = later_->take(request_.stream.is_patient);
+  if (!found) return;
+  const bool is_over = is_settled(found->diagnosis, request_.corrections);
+  if (!is_over && (diagnosis_.diagnosis.can_be_trusted() || !found->diagnosis.diagnosis.can_be_trusted())) return;
+  for (const auto& note : found->diagnosis.notes)
+    if (std::ranges::find(diagnosis_.notes, note) == diagnosis_.notes.end()) say(note);
+  diagnosis_ = std::move(found->diagnosis);
+  calibration_->camera.mount = found->mount;
+  for (const auto& note : fit_options()) say(note);
+  if (is_over) later_.reset();
+}
+
+/// To the camera, and what was set meanwhile on top; a worker is made so for the next pair.
 /// @returns what of it is not allowed with this camera
 std::vector<std::string> LiveRun::fit_options() {
   std::vector<std::string> refusals;
   const std::lock_guard lock(mutex_);
   options_ = effective_options(request_.method, calibration_->camera);
-  for (const auto& [path, text] : early_settings_) {
+  for (const auto& [path, text] : settings_) {
     try {
       options_ = with_option(options_, path, text);
     } catch (const flies::InputError& error) {
       refusals.emplace_back(error.what());
     }
   }
-  options_changed_ = false;
-  worker_ = new_worker(options_, preset_, following_, next_number_);
-  say_run(*worker_->record);
+  options_changed_ = true;
   return refusals;
 }
 
@@ -173,12 +195,16 @@ std::shared_ptr<const LiveRun::Worker> LiveRun::new_worker(const flies::Detector
   auto worker = std::make_shared<Worker>();
   worker->engine = std::make_unique<flies::Engine>(camera, options, following, request_.classifier);
   worker->options = std::make_shared<const flies::DetectorOptions>(options);
+  worker->following = std::make_shared<const flies::TrackerOptions>(following);
   worker->preset = preset;
   worker->record = run_record({.method = request_.method,
                                .camera = request_.camera,
                                .corrections = request_.corrections,
                                .reading = request_.stream.reading},
                               options, following, camera, request_.calib, diagnosis_);
+  worker->camera = camera;
+  if (auto record = diagnosis_.record())
+    worker->diagnosis = std::make_shared<const flies::DiagnosisRecord>(*std::move(record));
   worker->first_number = first_number;
   return worker;
 }
@@ -187,6 +213,7 @@ std::shared_ptr<LivePair> LiveRun::prepare(flies::StereoFrame frame) {
   auto pair = std::make_shared<LivePair>();
   pair->number = next_number_++;
   pair->images = calibration_->rectifier ? calibration_->rectifier->rectify(frame.images) : std::move(frame.images);
+  if (later_) diagnose_later(pair->images, frame.time_s);
   diagnosis_.correct(pair->images);
   pair->time_s = frame.time_s;
   pair->skew_s = frame.skew_s;
@@ -271,12 +298,14 @@ void LiveRun::hand_on_results() {
     for (const auto& track : snapshot->tracking.tracks) highest_id_ = std::max(highest_id_, track.id);
     const LiveFrame frame{.pair = pair,
                           .snapshot = snapshot,
-                          .camera = calibration_->camera,
+                          .camera = handing_worker_->camera,
                           .pose = pose_,
                           .dropped = dropped_before_ + overtaken_ + snapshot->dropped,
                           .options = handing_worker_->options,
+                          .following = handing_worker_->following,
                           .preset = handing_worker_->preset,
                           .run = handing_worker_->record,
+                          .diagnosis = handing_worker_->diagnosis,
                           .began_ns = began_ns_};
     for (LiveSink* sink : sinks_) sink->take(frame);
   }
@@ -366,11 +395,12 @@ bool LiveRun::is_paused() const {
 
 void LiveRun::set_option(const std::string& path, const std::string& text) {
   const std::lock_guard lock(mutex_);
-  if (path.starts_with("ego.") || path.starts_with("track.")) {
+  if (is_of_following(path)) {
     flies::set_option(following_, path, text, "options");
   } else {
     options_ = with_option(options_, path, text);
-    if (!worker_) early_settings_.emplace_back(path, text);
+    std::erase_if(settings_, [&](const auto& setting) { return setting.first == path; });
+    settings_.emplace_back(path, text);
     preset_ = "custom";
   }
   options_changed_ = true;

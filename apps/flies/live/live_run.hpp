@@ -15,6 +15,7 @@
 #include "flies/io/calibration.hpp"
 #include "flies/pipeline/engine.hpp"
 #include "flies/video/pair_stream.hpp"
+#include "live/later_diagnosis.hpp"
 #include "live/live_frame.hpp"
 #include "shared/camera_arguments.hpp"
 #include "shared/listed_options.hpp"
@@ -62,8 +63,11 @@ class LiveRun {
   struct Worker {
     std::unique_ptr<flies::Engine> engine;
     std::shared_ptr<const flies::DetectorOptions> options;
+    std::shared_ptr<const flies::TrackerOptions> following;
     std::string preset;
     std::shared_ptr<const flies::RunRecord> record;
+    flies::StereoCamera camera;
+    std::shared_ptr<const flies::DiagnosisRecord> diagnosis;
     std::uint64_t first_number = 0;  ///< of its pairs
   };
 
@@ -73,6 +77,7 @@ class LiveRun {
   std::shared_ptr<const Worker> new_worker(const flies::DetectorOptions& options, const std::string& preset,
                                            const flies::TrackerOptions& following, std::uint64_t first_number) const;
   std::vector<std::string> fit_options();
+  void diagnose_later(const flies::GrayPair& images, double time_s);
   bool begin(std::vector<flies::StereoFrame>& first);
   void calibrate(const flies::StereoFrame& frame);
   std::shared_ptr<LivePair> prepare(flies::StereoFrame frame);
@@ -92,6 +97,7 @@ class LiveRun {
   std::unique_ptr<flies::PairStream> stream_;
   std::optional<flies::Calibration> calibration_;
   RunDiagnosis diagnosis_;
+  std::optional<LaterDiagnosis> later_;  ///< where the first pairs left something to be found
   flies::PairWatch watch_;
   std::uint64_t next_number_ = 0;
   std::uint64_t passed_while_paused_ = 0;  ///< pictures
@@ -101,7 +107,7 @@ class LiveRun {
   std::condition_variable changed_;
   std::shared_ptr<const Worker> worker_;  ///< none until the camera is known
   flies::DetectorOptions options_;        ///< as the user set them, then fitted to the camera
-  Overrides early_settings_;              ///< by `set_option` before that
+  Overrides settings_;                    ///< by `set_option`, the latest of each option
   std::string preset_;                    ///< name of what the user set, without what fits the camera
   flies::TrackerOptions following_;
   bool options_changed_ = false;

@@ -18,6 +18,16 @@ class WrappingFormatter : public CLI::Formatter {
     }
     return text;
   }
+
+  /// One to two of a thing as "THING [THING]".
+  std::string make_option_usage(const CLI::Option* option) const override {
+    const int most = option->get_expected_max();
+    if (most <= 1 || most >= CLI::detail::expected_max_vector_size) return Formatter::make_option_usage(option);
+    const std::string name = make_option_name(option, true);
+    std::string usage = name;
+    for (int i = 1; i < most; ++i) usage += i < option->get_expected_min() ? " " + name : " [" + name + "]";
+    return option->get_required() ? usage : "[" + usage + "]";
+  }
 };
 
 void refuse_options_as_values_of(CLI::App& command) {

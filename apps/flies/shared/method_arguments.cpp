@@ -51,10 +51,11 @@ std::shared_ptr<const flies::PeopleClassifier> classifier_of(const MethodArgumen
   return flies::people_classifier(people_model_of(arguments));
 }
 
-std::string options_file_text(const flies::DetectorOptions& options, const std::string& people_model) {
+std::string options_file_text(const flies::DetectorOptions& options, const flies::TrackerOptions& following,
+                              const std::string& people_model) {
   return fmt::format("{}: {}  # a name that `flies info` lists or a file (--model)\n", kPeopleModel,
                      nlohmann::json(people_model).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) +
-         flies::options_yaml(flies::list_options(options));
+         flies::options_yaml(flies::list_options(options)) + flies::options_yaml(flies::list_options(following));
 }
 
 std::string preset_name(const flies::DetectorOptions& options) {
@@ -72,9 +73,15 @@ namespace {
 
 /// A preset with what the user sets.
 flies::DetectorOptions with_settings(flies::DetectorOptions options, const MethodArguments& arguments) {
+  flies::TrackerOptions following;  // those of following are checked, whether or not this run follows
   if (!arguments.options_file.empty())
-    for (const auto& setting : flies::load_options_yaml(arguments.options_file))
-      if (setting.path != kPeopleModel) flies::set_option(options, setting.path, setting.text, setting.source);
+    for (const auto& setting : flies::load_options_yaml(arguments.options_file)) {
+      if (setting.path == kPeopleModel) continue;
+      if (is_of_following(setting.path))
+        flies::set_option(following, setting.path, setting.text, setting.source);
+      else
+        flies::set_option(options, setting.path, setting.text, setting.source);
+    }
   for (const auto& [path, text] : arguments.overrides) flies::set_option(options, path, text, "command line");
   flies::check_detector_options(options, "options");
   return options;
@@ -87,6 +94,17 @@ flies::DetectorOptions preset_of(const MethodArguments& arguments) {
 }
 
 }  // namespace
+
+bool is_of_following(std::string_view path) { return path.starts_with("ego.") || path.starts_with("track."); }
+
+flies::TrackerOptions following_options(const MethodArguments& arguments, const Overrides& overrides) {
+  flies::TrackerOptions options;
+  if (!arguments.options_file.empty())
+    for (const auto& setting : flies::load_options_yaml(arguments.options_file))
+      if (is_of_following(setting.path)) flies::set_option(options, setting.path, setting.text, setting.source);
+  for (const auto& [path, text] : overrides) flies::set_option(options, path, text, "command line");
+  return options;
+}
 
 flies::DetectorOptions effective_options(const MethodArguments& arguments) {
   return with_settings(preset_of(arguments), arguments);

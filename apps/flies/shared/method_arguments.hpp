@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -34,6 +35,14 @@ flies::DetectorOptions effective_options(const MethodArguments& arguments);
 /// The same for a camera: what the user has not set follows from it (`flies::fitted_options`); not for `paper`.
 flies::DetectorOptions effective_options(const MethodArguments& arguments, const flies::StereoCamera& camera);
 
+/// Whether an option is of following (`flies::TrackerOptions`), not of finding in a pair.
+bool is_of_following(std::string_view path);
+
+/// Options of following: the YAML file, then the command line.
+/// @param overrides what the command line says of them
+/// @throws flies::InputError as `effective_options`
+flies::TrackerOptions following_options(const MethodArguments& arguments, const Overrides& overrides);
+
 /// Name or file of the people model: what --model says, else `people_model` in the options file, else that of the
 /// preset.
 /// @throws flies::InputError on an unknown preset or an unreadable file
@@ -44,7 +53,8 @@ std::string people_model_of(const MethodArguments& arguments);
 std::shared_ptr<const flies::PeopleClassifier> classifier_of(const MethodArguments& arguments);
 
 /// A file for --options that means the same whatever the preset beside it.
-std::string options_file_text(const flies::DetectorOptions& options, const std::string& people_model);
+std::string options_file_text(const flies::DetectorOptions& options, const flies::TrackerOptions& following,
+                              const std::string& people_model);
 
 /// The preset whose options these are, whatever seed and threads; "custom" when they are no preset's.
 std::string preset_name(const flies::DetectorOptions& options);

@@ -136,7 +136,7 @@ void require_a_true_pair(const CalibratedRun& run) {
 void run_track(TrackArguments arguments) {
   check_outputs(arguments);
   const flies::DetectorOptions unfitted = effective_options(arguments.method);
-  const flies::TrackerOptions following = with_overrides<flies::TrackerOptions>(arguments.following);
+  const flies::TrackerOptions following = following_options(arguments.method, arguments.following);
   const auto classifier = classifier_of(arguments.method);
   if (!arguments.camera.cameras.empty())
     arguments.sequence.cameras = std::array{arguments.camera.cameras[0], arguments.camera.cameras[1]};

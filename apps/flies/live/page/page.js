@@ -55,7 +55,9 @@ async function follow() {
       if (shown.number !== null) query.set("after", shown.number);
       if (shown.changes !== null) query.set("changes", shown.changes);
       const state = await (await get(`api/state?${query}`)).json();
+      const isAnother = shown.run !== null && state.run !== shown.run;
       if (state.run !== shown.run) startAnew(state.run);
+      if (isAnother) continue; // what was asked for was what has changed since the run before
       await show(state);
       setConnection(state.is_paused ? "paused" : "connected", false);
     } catch (error) {
