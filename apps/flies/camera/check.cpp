@@ -1,6 +1,7 @@
 #include "camera/check.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,8 +19,10 @@
 #include "flies/io/images.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/io/pair_source.hpp"
+#include "flies/pipeline/detector.hpp"
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
+#include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
 #include "shared/run_diagnosis.hpp"
 #include "shared/standard_output.hpp"
@@ -37,16 +40,22 @@ struct Checked {
   const flies::MountFinding& mount() const { return run.diagnosis.mount; }
 };
 
-/// What is wrong with some pairs of a run, those that cannot be used included; nothing of a single one.
+/// What is wrong with some pairs of a run, those that cannot be used included; of a single one, whether it shows things
+/// that are too near.
 std::vector<std::string> notes_on_each(const CalibratedRun& run) {
+  const auto& camera = run.calibration.camera;
+  const double nearest_m = nearest_range_m(flies::fitted_options(camera, {}));
   const std::size_t count = std::min(kMostPairs, run.paths.size());
-  if (count < 2) return {};
+  if (count < 2) {
+    const auto near = flies::note_on_near_things(run.usable(run.sample.front()).view(), camera, nearest_m);
+    return near ? std::vector{*near} : std::vector<std::string>{};
+  }
   flies::PairWatch watch;
   std::vector<std::string> faults;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = k * (run.paths.size() - 1) / (count - 1);
     try {
-      watch.look(run.usable(i).view(), run.calibration.camera, run.paths[i].left);
+      watch.look(run.usable(i).view(), camera, run.paths[i].left, nearest_m);
     } catch (const flies::InputError& fault) {
       faults.emplace_back(fault.what());
     }
@@ -158,15 +167,18 @@ void run_check(const CheckArguments& arguments) {
 }
 
 std::string fit_of_rig(const CheckArguments& arguments) {
-  const auto rows = check(arguments).diagnosis().rows;
+  const Checked checked = check(arguments);
+  const auto& rows = checked.diagnosis().rows;
   if (!rows) return "cannot be told: too few corners are seen in both images";
   constexpr double kMost_px = 0.5;  // farther apart, recall suffers
   const double worst_px =
       std::max({std::abs(rows->offset_px), std::abs(rows->at(0.0)), std::abs(rows->at(2.0 * rows->middle_u_px))});
-  if (worst_px <= kMost_px)
-    return fmt::format("fits the rig: rows lie {:.2f} px apart at most ({} corners)", worst_px, rows->corners);
-  return fmt::format("does not fit the rig any more: rows lie up to {:.2f} px apart ({} corners); calibrate again",
-                     worst_px, rows->corners);
+  if (worst_px > kMost_px)
+    return fmt::format("does not fit the rig any more: rows lie up to {:.2f} px apart ({} corners); calibrate again",
+                       worst_px, rows->corners);
+  const auto apart = fmt::format("rows lie {:.2f} px apart at most ({} corners)", worst_px, rows->corners);
+  if (checked.to_check.empty()) return "fits the rig: " + apart;
+  return fmt::format("may not fit the rig: {}, but check\n  - {}", apart, fmt::join(checked.to_check, "\n  - "));
 }
 
 void setup_check(CLI::App& app) {

@@ -156,6 +156,7 @@ void run_detect(const DetectArguments& arguments) {
   ReadAhead<flies::GrayPair> ahead(pairs.size(), make_pair, options.threads != 1);
   std::vector<std::string> faults;
   flies::PairWatch watch;
+  std::optional<std::string> near;  // of a single pair
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     flies::FrameRecord record = nothing_found;
     record.frame = static_cast<int>(i);
@@ -165,7 +166,10 @@ void run_detect(const DetectArguments& arguments) {
     std::optional<flies::Detection> detection;
     try {
       images = ahead.next();
-      if (!is_single) watch.look(images.view(), camera, record.left);  // told at the end
+      if (is_single)
+        near = flies::note_on_near_things(images.view(), camera, nearest_range_m(options));
+      else
+        watch.look(images.view(), camera, record.left, nearest_range_m(options));  // told at the end
       detection = detector.process(images.view());
       fill_in(record, *detection);
     } catch (const flies::InputError& fault) {  // costs this pair, not the others
@@ -185,6 +189,7 @@ void run_detect(const DetectArguments& arguments) {
   if (faults.size() == pairs.size())
     throw flies::InputError(arguments.images.left, "", "no pair could be used; the first: " + faults.front());
   say_notes(is_single ? run.notes(arguments.calib) : watch.counts());
+  if (near) say_notes({pairs.front().left + ": " + *near});
   if (!faults.empty())
     throw flies::InputError(arguments.images.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),
                             "could not be used, the others were; the first: " + faults.front());

@@ -251,7 +251,9 @@ void LiveRun::submit(std::shared_ptr<LivePair> pair, bool is_awaited) {
   }
   worker->engine->submit(pair->images.view(), pair->time_s);
   // While the engine works.
-  for (const auto& note : watch_.look(pair->images.view(), calibration_->camera, pair->left_name)) say(note);
+  for (const auto& note :
+       watch_.look(pair->images.view(), calibration_->camera, pair->left_name, nearest_range_m(*worker->options)))
+    say(note);
   if (!is_awaited) return;
   std::unique_lock lock(mutex_);
   while (handed_on_ <= before && !failure_ && !is_end_requested()) changed_.wait_for(lock, 100ms);

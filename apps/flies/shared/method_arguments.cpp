@@ -95,6 +95,10 @@ flies::DetectorOptions preset_of(const MethodArguments& arguments) {
 
 }  // namespace
 
+double nearest_range_m(const flies::DetectorOptions& options) {
+  return options.scan.enable ? std::min(options.field.x_min_m, options.scan.x_min_m) : options.field.x_min_m;
+}
+
 bool is_of_following(std::string_view path) { return path.starts_with("ego.") || path.starts_with("track."); }
 
 flies::TrackerOptions following_options(const MethodArguments& arguments, const Overrides& overrides) {

@@ -188,7 +188,7 @@ void run_track(TrackArguments arguments) {
     std::string fault;
     try {
       images = ahead.next();
-      say_notes(watch.look(images.view(), camera, frame.left));
+      say_notes(watch.look(images.view(), camera, frame.left, nearest_range_m(options)));
       frame.tracking = tracker.process(images.view(), source.times_s[i]);
     } catch (const flies::InputError& error) {  // costs this pair, not the others
       if (source.pairs.size() == 1) throw;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -191,35 +192,47 @@ void check_order(const PairEvidence& evidence, const std::string& left_name, con
                                right_name, found));
 }
 
+/// By how much images are reduced. Panoramas of few rows must keep enough of them.
+int reduction_of(const RectifiedPair& pair) {
+  return std::clamp((pair.left.width_px + kReducedWidth_px / 2) / kReducedWidth_px, 1,
+                    std::max(1, pair.left.height_px / kMinReducedHeight_px));
+}
+
+/// A place of the left image that was found in the right one.
+struct FoundPlace {
+  int row = 0, column = 0;  ///< of the grid of patches
+  int disparity_px = 0;     ///< of the reduced images, infinity being 0
+};
+
 /// Gathers the evidence of a pair, one row of patches after the other.
 class EvidenceOfRows {
  public:
-  EvidenceOfRows(const RectifiedPair& pair, const StereoCamera& camera)
-      // Panoramas of few rows must keep enough of them.
+  /// @param first_px, last_px disparities that are searched, in the reduced images, infinity being 0
+  EvidenceOfRows(const RectifiedPair& pair, int infinity_px, int first_px, int last_px)
       : pair_(pair),
-        factor_(std::clamp((pair.left.width_px + kReducedWidth_px / 2) / kReducedWidth_px, 1,
-                           std::max(1, pair.left.height_px / kMinReducedHeight_px))),
+        factor_(reduction_of(pair)),
         height_px_(pair.left.height_px / factor_),
-        infinity_px_(static_cast<int>(std::lround((camera.cx_px - camera.cx_right_px) / factor_))),
-        reach_px_(pair.left.width_px / factor_ / kSearchFraction) {}
+        infinity_px_(infinity_px),
+        middle_px_(infinity_px + (first_px + last_px) / 2),
+        reach_px_((last_px - first_px) / 2) {}
 
-  void add_row(int row) {
+  /// @param first_column, step of the patches in this row
+  void add_row(int row, int first_column = 0, int step = 1) {
     if (pair_.left.width_px / factor_ < kPatchWidth_px || height_px_ < kPatchHeight_px) return;  // nothing to compare
     const Band left_band = band(pair_.left, row), right_band = band(pair_.right, row);
-    for (int column = 0; column < kGridColumns; ++column) {
+    for (int column = first_column; column < kGridColumns; column += step) {
       const int u = strongest_edge(left_band, left_band.patches() * column / kGridColumns,
                                    left_band.patches() * (column + 1) / kGridColumns);
       if (!left_band.is_textured(u)) continue;
-      const auto match = find_along_row(left_band, u, right_band, u - infinity_px_, reach_px_);
+      const auto match = find_along_row(left_band, u, right_band, u - middle_px_, reach_px_);
       if (match.fits && !match.unique) continue;  // a fence, a grid: says nothing either way
       ++evidence_.patches;
       if (!match.fits) continue;
       // Chance finds a fit somewhere; it rarely leads back to where the search started.
-      const auto back = find_along_row(right_band, match.u, left_band, match.u + infinity_px_, reach_px_);
+      const auto back = find_along_row(right_band, match.u, left_band, match.u + middle_px_, reach_px_);
       if (!back.unique || std::abs(back.u - u) > kNoise_px) continue;
       const int disparity_px = u - match.u - infinity_px_;
-      if (row < kThirdOfRows) upper_px_.push_back(disparity_px * factor_);
-      if (row >= kGridRows - kThirdOfRows) lower_px_.push_back(disparity_px * factor_);
+      places_.push_back({row, column, disparity_px});
       ++(std::abs(disparity_px) <= kNoise_px ? evidence_.distant
          : disparity_px > 0                  ? evidence_.nearer
                                              : evidence_.beyond);
@@ -227,10 +240,17 @@ class EvidenceOfRows {
   }
 
   const PairEvidence& counts() const { return evidence_; }
+  const std::vector<FoundPlace>& places() const { return places_; }
+
   PairEvidence evidence() const {
+    std::vector<double> upper_px, lower_px;
+    for (const auto& place : places_) {
+      if (place.row < kThirdOfRows) upper_px.push_back(place.disparity_px * factor_);
+      if (place.row >= kGridRows - kThirdOfRows) lower_px.push_back(place.disparity_px * factor_);
+    }
     PairEvidence evidence = evidence_;
-    evidence.upper_px = nearness_px(upper_px_);
-    evidence.lower_px = nearness_px(lower_px_);
+    evidence.upper_px = nearness_px(std::move(upper_px));
+    evidence.lower_px = nearness_px(std::move(lower_px));
     return evidence;
   }
 
@@ -243,15 +263,22 @@ class EvidenceOfRows {
   }
 
   RectifiedPair pair_;
-  int factor_, height_px_, infinity_px_, reach_px_;
+  int factor_, height_px_, infinity_px_, middle_px_, reach_px_;
   PairEvidence evidence_;
-  std::vector<double> upper_px_, lower_px_;
+  std::vector<FoundPlace> places_;
 };
+
+/// As far to both sides of infinity.
+EvidenceOfRows around_infinity(const RectifiedPair& pair, const StereoCamera& camera) {
+  const int factor = reduction_of(pair);
+  const int reach_px = pair.left.width_px / factor / kSearchFraction;
+  return {pair, static_cast<int>(std::lround((camera.cx_px - camera.cx_right_px) / factor)), -reach_px, reach_px};
+}
 
 }  // namespace
 
 PairEvidence gather_pair_evidence(const RectifiedPair& pair, const StereoCamera& camera) {
-  EvidenceOfRows rows(pair, camera);
+  EvidenceOfRows rows = around_infinity(pair, camera);
   for (int row = 0; row < kGridRows; ++row) rows.add_row(row);
   return rows.evidence();
 }
@@ -261,7 +288,7 @@ PairOrder order_of_pair(const RectifiedPair& pair, const StereoCamera& camera) {
   constexpr int kRows[] = {5, 4, 6, 3, 7, 2, 1, 0};
   static_assert(std::size(kRows) == kGridRows);
   constexpr int kEnough = 6;
-  EvidenceOfRows rows(pair, camera);
+  EvidenceOfRows rows = around_infinity(pair, camera);
   for (const int row : kRows) {
     rows.add_row(row);
     const auto& found = rows.counts();
@@ -269,6 +296,30 @@ PairOrder order_of_pair(const RectifiedPair& pair, const StereoCamera& camera) {
   }
   if (is_another_scene(rows.counts())) return PairOrder::unrelated;
   return is_swapped(rows.counts()) ? PairOrder::swapped : PairOrder::good;
+}
+
+std::vector<bool> parts_nearer_than(const RectifiedPair& pair, double disparity_px) {
+  constexpr int kStanding = 5, kHanging = 3;  // rows that are looked at first: what stands on the ground, what does not
+  constexpr int kFewest = 2;
+  const int factor = reduction_of(pair);
+  EvidenceOfRows rows(pair, 0, -kPatchWidth_px, pair.left.width_px / factor / 2);
+  const auto counts = [&] {
+    std::array<int, kGridColumns> places{};
+    for (const auto& place : rows.places())
+      places[static_cast<std::size_t>(place.column)] += (place.disparity_px - kNoise_px) * factor > disparity_px;
+    return places;
+  };
+  // What is near is wide: every other patch will do.
+  rows.add_row(kStanding, 0, 2);
+  rows.add_row(kHanging, 1, 2);
+  if (std::ranges::count(counts(), 0) == kGridColumns) return std::vector<bool>(kGridColumns, false);
+  rows.add_row(kStanding, 1, 2);
+  rows.add_row(kHanging, 0, 2);
+  for (int row = 0; row < kGridRows; ++row)
+    if (row != kStanding && row != kHanging) rows.add_row(row);
+  std::vector<bool> nearer;
+  for (const int found : counts()) nearer.push_back(found >= kFewest);
+  return nearer;
 }
 
 void check_true_pair(const RectifiedPair& pair, const StereoCamera& camera, const std::string& left_name,

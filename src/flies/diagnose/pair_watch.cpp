@@ -36,6 +36,10 @@ constexpr Words kWords[kPairTroubles] = {
      "the right image of the pair before"},
     {"both images are those of the pair before to the bit: do the cameras hang, or are pairs repeated?",
      "both images of the pair before"},
+    {"something stands nearer than is looked at: it is not reported, or farther away than it is, and the directions "
+     "of the scan are unknown there (--field.x_min_m and --scan.x_min_m say from where on; --preset robot is for near "
+     "things)",
+     "something nearer than is looked at"},
 };
 
 /// A sum over every 16th row that differs where the rows do.
@@ -77,7 +81,20 @@ bool is_blank(const GrayView& image) {
   return textured < kNothingTextured * kColumns * kRows;
 }
 
+bool shows_near_things(const RectifiedPair& pair, const StereoCamera& camera, double nearest_m) {
+  constexpr double kTolerance = 1.05;  // the near end is none to the pixel
+  if (!(nearest_m > 0.0)) return false;
+  const double nearest_px = kTolerance * camera.fx_px * camera.baseline_m / nearest_m;
+  return std::ranges::count(parts_nearer_than(pair, nearest_px + camera.cx_px - camera.cx_right_px), true) > 0;
+}
+
 }  // namespace
+
+std::optional<std::string> note_on_near_things(const RectifiedPair& pair, const StereoCamera& camera,
+                                               double nearest_m) {
+  if (!shows_near_things(pair, camera, nearest_m)) return std::nullopt;
+  return kWords[static_cast<std::size_t>(PairTrouble::too_near)].first;
+}
 
 bool PairWatch::meet(PairTrouble trouble, const std::string& name) {
   Met& met = met_[static_cast<std::size_t>(trouble)];
@@ -86,8 +103,8 @@ bool PairWatch::meet(PairTrouble trouble, const std::string& name) {
   return true;
 }
 
-std::vector<std::string> PairWatch::look(const RectifiedPair& pair, const StereoCamera& camera,
-                                         const std::string& name) {
+std::vector<std::string> PairWatch::look(const RectifiedPair& pair, const StereoCamera& camera, const std::string& name,
+                                         double nearest_m) {
   std::vector<std::string> found;
   const auto tell = [&](PairTrouble trouble) {
     if (meet(trouble, name))
@@ -106,7 +123,10 @@ std::vector<std::string> PairWatch::look(const RectifiedPair& pair, const Stereo
     tell(left_repeats ? PairTrouble::left_repeats : PairTrouble::right_repeats);
   if (left_blank || right_blank) return found;  // nothing to compare
   const PairOrder order = order_of_pair(pair, camera);
-  if (order != PairOrder::good) tell(order == PairOrder::swapped ? PairTrouble::swapped : PairTrouble::unrelated);
+  if (order != PairOrder::good)
+    tell(order == PairOrder::swapped ? PairTrouble::swapped : PairTrouble::unrelated);
+  else if (shows_near_things(pair, camera, nearest_m))
+    tell(PairTrouble::too_near);
   return found;
 }
 

@@ -21,8 +21,13 @@ enum class PairTrouble {
   left_repeats,   ///< the left image is that of the pair before to the bit, the right one is not
   right_repeats,  ///< the other way round
   both_repeat,    ///< both are those of the pair before
+  too_near,       ///< something stands nearer than is looked at
 };
-inline constexpr std::size_t kPairTroubles = 7;
+inline constexpr std::size_t kPairTroubles = 8;
+
+/// What to say of a pair that shows something at less than this range, where nothing is looked for: it is not
+/// reported, or farther away than it is.
+std::optional<std::string> note_on_near_things(const RectifiedPair& pair, const StereoCamera& camera, double nearest_m);
 
 /// Looks at every pair of a run, as cheaply as can be (0.3 ms), for what the diagnosis of a few pairs does not see:
 /// faults that begin, or come and go, while the run lasts.
@@ -30,8 +35,10 @@ class PairWatch {
  public:
   /// @param pair rectified, both images of one size, 64 x 48 px at least; the next one of the run
   /// @param name of the pair, in what is told
+  /// @param nearest_m range from which on things are looked for; 0: any
   /// @returns a sentence for each kind of trouble that is met for the first time
-  std::vector<std::string> look(const RectifiedPair& pair, const StereoCamera& camera, const std::string& name);
+  std::vector<std::string> look(const RectifiedPair& pair, const StereoCamera& camera, const std::string& name,
+                                double nearest_m = 0.0);
 
   /// A sentence for each kind of trouble with the pairs that have it and the first of them; empty when all are well.
   std::vector<std::string> counts() const;

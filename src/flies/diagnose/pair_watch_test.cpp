@@ -12,6 +12,7 @@
 namespace flies {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -86,6 +87,18 @@ TEST(PairWatch, TellsWhichImageRepeats) {
   look(of_both, first);
   EXPECT_THAT(look(of_both, first), ElementsAre(HasSubstr("both images are those of the pair before")));
   EXPECT_THAT(of_both.counts(), ElementsAre(HasSubstr("1 of 2 pairs: both images of the pair before")));
+}
+
+TEST(PairWatch, TellsWhatIsNearerThanIsLookedAt) {
+  PairWatch watch;
+  const GrayPair pair = pair_number(0);
+  const double range_m = camera().fx_px * camera().baseline_m / 10.0;
+  EXPECT_THAT(watch.look(pair.view(), camera(), "one", 0.7 * range_m), IsEmpty());
+  EXPECT_THAT(watch.look(pair.view(), camera(), "two", 1.5 * range_m),
+              Contains(HasSubstr("two: something stands nearer than is looked at")));
+  EXPECT_THAT(watch.counts(), Contains("1 of 2 pairs: something nearer than is looked at; the first: two"));
+  EXPECT_TRUE(note_on_near_things(pair.view(), camera(), 1.5 * range_m).has_value());
+  EXPECT_FALSE(note_on_near_things(pair.view(), camera(), 0.7 * range_m).has_value());
 }
 
 }  // namespace

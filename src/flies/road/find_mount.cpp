@@ -58,6 +58,8 @@ constexpr double kHighest_m = 3.6;
 /// Scatter beyond which a plane says nothing.
 constexpr double kMaxHeightDeviation = 0.05;
 constexpr double kMaxTiltDeviation_rad = radians(1.0);
+/// Places on a plane that lie at one distance are of a wall.
+constexpr double kLeastDepthRatio = 1.2;
 
 MountLimits around(const CameraMount& told) {
   return {told.height_m * (1.0 - kSameHeight), told.height_m * (1.0 + kSameHeight), told.pitch_rad - kSameTilt_rad,
@@ -85,6 +87,7 @@ struct Vote {
 
 /// The mount above a plane that is sure enough.
 std::optional<CameraMount> sure_mount(const SeenPlaces& seen, const GroundPlane& plane) {
+  if (depth_ratio_on(seen, plane) < kLeastDepthRatio) return std::nullopt;
   const MountDeviation deviation = mount_deviation(seen, plane);
   const CameraMount mount = mount_above(plane, seen.scale_px_m);
   if (mount.height_m <= kHighest_m && deviation.height_share < kMaxHeightDeviation &&

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "flies/core/matrix3.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/core/random.hpp"
 
 namespace flies {
@@ -159,6 +160,18 @@ std::optional<SupportedPlane> fit_ground(const SeenPlaces& seen, const MountLimi
     if (kept.support > 0.0 && (!found || kept.support > found->support)) found = kept;
   }
   return found;
+}
+
+double depth_ratio_on(const SeenPlaces& seen, const GroundPlane& plane) {
+  const double tolerance = tolerance_px(seen, plane);
+  std::vector<double> parallaxes_px;
+  for (const auto& place : seen.places) {
+    const double on_plane_px = plane.parallax_px(place);
+    if (on_plane_px >= kLeastParallax_px && std::abs(place.parallax_px - on_plane_px) < tolerance)
+      parallaxes_px.push_back(on_plane_px);
+  }
+  if (parallaxes_px.empty()) return 1.0;
+  return quantile(parallaxes_px, 0.9) / quantile(parallaxes_px, 0.1);
 }
 
 MountDeviation mount_deviation(const SeenPlaces& seen, const GroundPlane& plane) {

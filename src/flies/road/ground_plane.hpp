@@ -66,6 +66,10 @@ double ground_support(const SeenPlaces& seen, const GroundPlane& plane);
 std::optional<SupportedPlane> fit_ground(const SeenPlaces& seen, const MountLimits& limits,
                                          std::span<const GroundPlane> first = {});
 
+/// How many times as far away as the nearest places on a plane the farthest are, but for a tenth of either: 1 for a
+/// wall that the plane only cuts, 1.5 and more for ground.
+double depth_ratio_on(const SeenPlaces& seen, const GroundPlane& plane);
+
 /// Standard deviations of a mount, as the scatter of the places on its plane leaves them.
 struct MountDeviation {
   double height_share = 1.0;  ///< of the height

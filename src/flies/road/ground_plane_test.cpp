@@ -96,5 +96,18 @@ TEST(GroundSupport, CountsPlacesOnThePlaneLessThoseBelowIt) {
   EXPECT_DOUBLE_EQ(ground_support(seen, plane), 1.0);
 }
 
+TEST(DepthRatioOn, TellsAWallThatThePlaneCutsFromGround) {
+  const GroundPlane plane{0.0, 100.0, 0.0};
+  SeenPlaces ground{700.0, kScale_px_m, {}}, wall = ground;
+  for (int row = 0; row <= 20; ++row) {
+    const double down = 0.1 + 0.01 * row;
+    ground.places.push_back({0.0, down, 100.0 * down});
+    wall.places.push_back({0.0, down, 20.0});
+  }
+  EXPECT_NEAR(depth_ratio_on(ground, plane), 28.0 / 12.0, 1e-9);
+  EXPECT_LT(depth_ratio_on(wall, plane), 1.1);
+  EXPECT_EQ(depth_ratio_on({700.0, kScale_px_m, {}}, plane), 1.0);
+}
+
 }  // namespace
 }  // namespace flies

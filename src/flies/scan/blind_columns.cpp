@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "flies/core/pair_check.hpp"
+
 namespace flies {
 namespace {
 
@@ -64,6 +66,18 @@ std::vector<bool> blind_columns(const RectifiedPair& pair, const CellLayout& lay
         !any_textured(left, block - 1, block + 1) || !any_textured(right, first, last);
   }
   return blind;
+}
+
+std::vector<bool> too_near_columns(const RectifiedPair& pair, const CellLayout& layout) {
+  constexpr double kTolerance = 1.03;  // the nearest disparities are still told by their neighbours
+  const auto parts = parts_nearer_than(pair, kTolerance * layout.nearest_px);
+  std::vector<bool> near(static_cast<std::size_t>(layout.columns), false);
+  for (int column = 0; column < layout.columns; ++column) {
+    const double share = layout.middle_u_px(column) / pair.left.width_px;
+    const auto part = static_cast<std::size_t>(share * static_cast<double>(parts.size()));
+    near[static_cast<std::size_t>(column)] = parts[std::min(part, parts.size() - 1)];
+  }
+  return near;
 }
 
 }  // namespace flies

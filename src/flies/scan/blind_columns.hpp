@@ -13,4 +13,9 @@ namespace flies {
 /// @returns one entry a column of `layout`, true where it is blind
 std::vector<bool> blind_columns(const RectifiedPair& pair, const CellLayout& layout, int row_step);
 
+/// The columns of cells that show something nearer than is matched, whose true disparity is none of those compared:
+/// what the scan says of them is made up, too.
+/// @returns one entry a column of `layout`
+std::vector<bool> too_near_columns(const RectifiedPair& pair, const CellLayout& layout);
+
 }  // namespace flies

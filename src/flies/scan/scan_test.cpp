@@ -289,5 +289,22 @@ TEST(CheckScanOptions, RefusesEmptyIntervals) {
               ThrowsMessage<InputError>(HasSubstr("scan.z_min_m")));
 }
 
+TEST(Scan, KnowsNothingOfDirectionsInWhichSomethingIsTooNear) {
+  Drawn drawn;
+  drawn.paint_road();
+  drawn.paint_board(12.5, 2.0, 60, 200);
+  drawn.paint_board(1.6, 2.0, 330, 560);  // 125 px; the near end, 3.5 m, is at 57
+  const Scan scan = drawn.scan();
+  for (const auto sector : sectors_between(scan, 340, 540)) EXPECT_EQ(scan.states[sector], SectorState::unknown);
+  for (const auto sector : sectors_between(scan, 80, 180))
+    EXPECT_NEAR(scan.ranges_m[sector], 12.5 / std::cos(scan.angle_rad(sector)), 0.3);
+  Drawn plain;
+  plain.paint_road();
+  plain.paint_board(4.0, 2.0, 330, 560);
+  const Scan at_the_end = plain.scan();
+  for (const auto sector : sectors_between(at_the_end, 340, 540))
+    EXPECT_NEAR(at_the_end.ranges_m[sector], 4.0 / std::cos(at_the_end.angle_rad(sector)), 0.3);
+}
+
 }  // namespace
 }  // namespace flies
