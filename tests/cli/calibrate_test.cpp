@@ -124,6 +124,13 @@ TEST_F(Calibrate, ChecksARigWithoutABoard) {
   cv::imwrite((folder.path() / "low.png").string(), low);
   EXPECT_THAT(calibrate({"left.png", "low.png", "--check", "calib.txt"}).out,
               HasSubstr("does not fit the rig any more"));
+  const cv::Matx23d sideways(1, 0, 12.0, 0, 1, 0);
+  cv::warpAffine(street_pair().right, low, sideways, low.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::imwrite((folder.path() / "aside.png").string(), low);
+  const RunResult aside = calibrate({"left.png", "aside.png", "--check", "calib.txt"});
+  EXPECT_EQ(aside.status, 0) << aside.err;
+  EXPECT_THAT(aside.out, HasSubstr("may not fit the rig: rows lie 0."));
+  EXPECT_THAT(aside.out, HasSubstr("beyond infinity"));
 }
 
 /// A film in which each of the first nine pairs is held for three pictures.

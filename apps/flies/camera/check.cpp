@@ -177,8 +177,13 @@ std::string fit_of_rig(const CheckArguments& arguments) {
     return fmt::format("does not fit the rig any more: rows lie up to {:.2f} px apart ({} corners); calibrate again",
                        worst_px, rows->corners);
   const auto apart = fmt::format("rows lie {:.2f} px apart at most ({} corners)", worst_px, rows->corners);
-  if (checked.to_check.empty()) return "fits the rig: " + apart;
-  return fmt::format("may not fit the rig: {}, but check\n  - {}", apart, fmt::join(checked.to_check, "\n  - "));
+  auto doubts = checked.to_check;
+  // Where nobody said how the camera is mounted, that it is mounted otherwise says nothing of the rig.
+  if (const auto mount = flies::mount_note(checked.mount());
+      mount && !checked.run.calibration.has_height && !checked.run.calibration.has_pitch)
+    std::erase(doubts, *mount);
+  if (doubts.empty()) return "fits the rig: " + apart;
+  return fmt::format("may not fit the rig: {}, but check\n  - {}", apart, fmt::join(doubts, "\n  - "));
 }
 
 void setup_check(CLI::App& app) {
