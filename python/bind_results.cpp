@@ -14,22 +14,43 @@ namespace py = pybind11;
 
 namespace {
 
-/// Rows of the arrays; docs are those of the fields of the objects.
+/// Rows of the arrays: all attributes of the objects, under their names; the box by its four numbers.
 struct ObstacleRow {
-  double x_m, y_m, range_m, width_m, middle_offset_m, depth_m, height_m, ground_z_m, score;
+  double x_m, y_m, range_m, range_sd_m, width_m, middle_offset_m, depth_m, height_m, ground_z_m, score;
   double u_px, v_px, width_px, height_px;
 };
 struct PedestrianRow {
-  double x_m, y_m, range_m, height_m, probability;
+  double x_m, y_m, range_m, range_sd_m, height_m, probability;
   double u_px, v_px, width_px, height_px;
 };
 
 ObstacleRow row_of(const flies::Obstacle& o) {
-  return {o.x_m,        o.y_m,   o.range_m,  o.width_m,  o.middle_offset_m, o.depth_m,      o.height_m,
-          o.ground_z_m, o.score, o.box.u_px, o.box.v_px, o.box.width_px,    o.box.height_px};
+  return {.x_m = o.x_m,
+          .y_m = o.y_m,
+          .range_m = o.range_m,
+          .range_sd_m = o.range_sd_m,
+          .width_m = o.width_m,
+          .middle_offset_m = o.middle_offset_m,
+          .depth_m = o.depth_m,
+          .height_m = o.height_m,
+          .ground_z_m = o.ground_z_m,
+          .score = o.score,
+          .u_px = o.box.u_px,
+          .v_px = o.box.v_px,
+          .width_px = o.box.width_px,
+          .height_px = o.box.height_px};
 }
 PedestrianRow row_of(const flies::Pedestrian& p) {
-  return {p.x_m, p.y_m, p.range_m, p.height_m, p.probability, p.box.u_px, p.box.v_px, p.box.width_px, p.box.height_px};
+  return {.x_m = p.x_m,
+          .y_m = p.y_m,
+          .range_m = p.range_m,
+          .range_sd_m = p.range_sd_m,
+          .height_m = p.height_m,
+          .probability = p.probability,
+          .u_px = p.box.u_px,
+          .v_px = p.box.v_px,
+          .width_px = p.box.width_px,
+          .height_px = p.box.height_px};
 }
 
 template <class Row, class Item>
@@ -117,9 +138,10 @@ void bind_pedestrian(py::module_& module) {
 }  // namespace
 
 void bind_results(py::module_& module) {
-  PYBIND11_NUMPY_DTYPE(ObstacleRow, x_m, y_m, range_m, width_m, middle_offset_m, depth_m, height_m, ground_z_m, score,
-                       u_px, v_px, width_px, height_px);
-  PYBIND11_NUMPY_DTYPE(PedestrianRow, x_m, y_m, range_m, height_m, probability, u_px, v_px, width_px, height_px);
+  PYBIND11_NUMPY_DTYPE(ObstacleRow, x_m, y_m, range_m, range_sd_m, width_m, middle_offset_m, depth_m, height_m,
+                       ground_z_m, score, u_px, v_px, width_px, height_px);
+  PYBIND11_NUMPY_DTYPE(PedestrianRow, x_m, y_m, range_m, range_sd_m, height_m, probability, u_px, v_px, width_px,
+                       height_px);
   bind_box(module);
   bind_obstacle(module);
   bind_pedestrian(module);
@@ -130,8 +152,8 @@ void bind_results(py::module_& module) {
       .def_readonly("scan", &Detection::scan, "The nearest obstacle in every direction: a Scan.")
       .def_property_readonly(
           "obstacle_array", [](const Detection& d) { return rows_of<ObstacleRow>(d.obstacles); },
-          "The obstacles as a structured array, shape (n,), with their attributes as float64 fields; the box as u_px,\n"
-          "v_px, width_px, height_px.")
+          "The obstacles as a structured array, shape (n,), with all their attributes as float64 fields; the box as\n"
+          "u_px, v_px, width_px, height_px.")
       .def_property_readonly(
           "pedestrian_array", [](const Detection& d) { return rows_of<PedestrianRow>(d.pedestrians); },
           "The pedestrians as a structured array, shape (n,), as `obstacle_array`.")

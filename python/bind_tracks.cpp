@@ -14,30 +14,38 @@ namespace py = pybind11;
 
 namespace {
 
+/// A row of the array: all attributes of a track, under their names; the class as `is_person`, the box by its four
+/// numbers.
 struct TrackRow {
   std::uint64_t id;
   bool is_person;
-  double probability, x_m, y_m, vx_mps, vy_mps, moving_probability, width_m, height_m, age_s, unseen_s;
+  double probability, person_log_odds, x_m, y_m, vx_mps, vy_mps, moving_probability;
+  flies::Covariance4 covariance;
+  double width_m, height_m, age_s, unseen_s;
+  int sightings;
   double u_px, v_px, width_px, height_px;
 };
 
 TrackRow row_of(const flies::Track& t) {
-  return {t.id,
-          t.kind == flies::TrackClass::person,
-          t.probability,
-          t.state.x_m,
-          t.state.y_m,
-          t.velocity.vx_mps,
-          t.velocity.vy_mps,
-          t.velocity.moving_probability,
-          t.width_m,
-          t.height_m,
-          t.age_s,
-          t.unseen_s,
-          t.box.u_px,
-          t.box.v_px,
-          t.box.width_px,
-          t.box.height_px};
+  return {.id = t.id,
+          .is_person = t.kind == flies::TrackClass::person,
+          .probability = t.probability,
+          .person_log_odds = t.person_log_odds,
+          .x_m = t.state.x_m,
+          .y_m = t.state.y_m,
+          .vx_mps = t.velocity.vx_mps,
+          .vy_mps = t.velocity.vy_mps,
+          .moving_probability = t.velocity.moving_probability,
+          .covariance = t.state.covariance,
+          .width_m = t.width_m,
+          .height_m = t.height_m,
+          .age_s = t.age_s,
+          .unseen_s = t.unseen_s,
+          .sightings = t.sightings,
+          .u_px = t.box.u_px,
+          .v_px = t.box.v_px,
+          .width_px = t.box.width_px,
+          .height_px = t.box.height_px};
 }
 
 py::array rows_of(const std::vector<flies::Track>& tracks) {
@@ -108,8 +116,9 @@ void bind_ego_motion(py::module_& module) {
 }  // namespace
 
 void bind_tracks(py::module_& module) {
-  PYBIND11_NUMPY_DTYPE(TrackRow, id, is_person, probability, x_m, y_m, vx_mps, vy_mps, moving_probability, width_m,
-                       height_m, age_s, unseen_s, u_px, v_px, width_px, height_px);
+  PYBIND11_NUMPY_DTYPE(TrackRow, id, is_person, probability, person_log_odds, x_m, y_m, vx_mps, vy_mps,
+                       moving_probability, covariance, width_m, height_m, age_s, unseen_s, sightings, u_px, v_px,
+                       width_px, height_px);
   bind_track(module);
   bind_ego_motion(module);
   using flies::Tracking;
@@ -119,8 +128,8 @@ void bind_tracks(py::module_& module) {
       .def_readonly("tracks", &Tracking::tracks, "List of Track, nearest first.")
       .def_property_readonly(
           "track_array", [](const Tracking& t) { return rows_of(t.tracks); },
-          "The tracks as a structured array, shape (n,): their attributes, is_person, and the box as u_px, v_px,\n"
-          "width_px, height_px.")
+          "The tracks as a structured array, shape (n,), with all their attributes as fields: `is_person` for `kind`,\n"
+          "the box as u_px, v_px, width_px, height_px, the covariance of shape (n, 4, 4).")
       .def_readonly("detection", &Tracking::detection, "Of this pair alone: a Detection.")
       .def_readonly("ego_ms", &Tracking::ego_ms, "Time that the camera's motion took, milliseconds.")
       .def_readonly("track_ms", &Tracking::track_ms, "Time that the tracks took, milliseconds.")

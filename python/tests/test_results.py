@@ -38,6 +38,40 @@ def test_arrays_hold_what_the_objects_say(pair, camera):
     assert found.road_found and abs(found.road[0]) < 0.3
 
 
+# What is a field of another name in an array.
+BOX = {"u_px", "v_px", "width_px", "height_px"}
+OTHER_FIELDS = {"box": BOX, "kind": {"is_person"}}
+
+
+def attributes_of(thing):
+    return [name for name in dir(type(thing)) if not name.startswith("_")]
+
+
+def check_rows(array, things):
+    """Every attribute of the objects is a field, and says the same."""
+    assert len(array) == len(things) > 0
+    expected = set().union(*(OTHER_FIELDS.get(name, {name}) for name in attributes_of(things[0])))
+    assert set(array.dtype.names) == expected
+    for name in array.dtype.names:
+        if name == "is_person":
+            values = [thing.kind == "person" for thing in things]
+        else:
+            values = [getattr(thing.box if name in BOX else thing, name) for thing in things]
+        assert np.array_equal(array[name], np.array(values)), name
+
+
+def test_arrays_have_a_field_for_every_attribute(pair, camera):
+    anybody = {"classify": {"threshold_offset": -3, "one_stage_threshold_offset": -3}}
+    tracker = flies.Tracker(camera, anybody, preset="paper")
+    trackings = [tracker.process(*pair, 0.1 * i) for i in range(4)]
+    found = trackings[-1].detection
+    check_rows(found.obstacle_array, found.obstacles)
+    check_rows(found.pedestrian_array, found.pedestrians)
+    check_rows(trackings[-1].track_array, trackings[-1].tracks)
+    assert (found.obstacle_array["range_sd_m"] > 0).all() and (found.pedestrian_array["range_sd_m"] > 0).all()
+    assert {found.obstacle_array.dtype[i] for i in range(len(found.obstacle_array.dtype))} == {np.dtype(np.float64)}
+
+
 def test_scan_is_borrowed_and_outlives_its_detection(pair, camera):
     scan = flies.Detector(camera).process(*pair).scan
     ranges, states = scan.ranges_m, scan.states
