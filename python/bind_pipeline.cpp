@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -103,14 +105,18 @@ std::shared_ptr<flies::Tracking> tracking_of(const std::shared_ptr<flies::Snapsh
 void bind_snapshot(py::module_& module) {
   using flies::Snapshot;
   py::class_<Snapshot, std::shared_ptr<Snapshot>>(module, "Snapshot",
-                                                  "What an engine knows at a moment; it never changes.")
-      .def_property_readonly("tracking", &tracking_of, "After the newest pair that is done: a Tracking.")
+                                                  "What an engine knows at a moment; but for its age it never changes.")
+      .def_property_readonly("tracking", &tracking_of, "After the newest pair that could be used: a Tracking.")
       .def_readonly("number", &Snapshot::number, "Counts the pairs that are done, from 1; 0: none is yet.")
-      .def_readonly("submitted", &Snapshot::submitted, "Pairs so far.")
-      .def_readonly("dropped", &Snapshot::dropped, "Pairs that were overtaken by a newer one.")
-      .def_readonly("latency_ms", &Snapshot::latency_ms, "From `submit` of this pair to its result, milliseconds.")
-      .def_readonly("error", &Snapshot::error, "Why the newest pair could not be used; \"\": it could.")
-      .def_property_readonly("age_s", &Snapshot::age_s, "Time since this pair was submitted, seconds.")
+      .def_readonly("submitted", &Snapshot::submitted, "Pairs that had been submitted when it was made.")
+      .def_readonly("dropped", &Snapshot::dropped, "Those of them that were overtaken by a newer one.")
+      .def_readonly("latency_ms", &Snapshot::latency_ms,
+                    "From `submit` of the newest pair that is done to its result, milliseconds.")
+      .def_readonly("error", &Snapshot::error, "Why the newest pair that is done could not be used; \"\": it could.")
+      .def_property_readonly(
+          "age_s", &Snapshot::age_s,
+          "Time since the pair of `tracking` was submitted, seconds; NaN as long as no pair could be "
+          "used.")
       .def("__repr__", [](const Snapshot& s) {
         return fmt::format("<flies.Snapshot {}, {} tracks, {} of {} pairs dropped>", s.number, s.tracking.tracks.size(),
                            s.dropped, s.submitted);
@@ -122,6 +128,25 @@ std::chrono::milliseconds timeout_of(double timeout_s) {
   if (!(timeout_s >= 0.0 && timeout_s <= kMost_s))
     throw flies::InputError("wait", "timeout_s", fmt::format("found {}, expected 0..{}", timeout_s, kMost_s));
   return std::chrono::milliseconds(std::llround(timeout_s * 1e3));
+}
+
+/// As `Engine::wait`, in short pieces, between which Python may say that it was interrupted (Ctrl-C). Called with the
+/// interpreter's lock, which is not held during a piece.
+std::shared_ptr<flies::Snapshot> wait(const flies::Engine& engine, std::int64_t after, double timeout_s) {
+  constexpr std::chrono::milliseconds kPiece{50};
+  if (after < 0) throw flies::InputError("wait", "after", fmt::format("found {}, expected 0 or more", after));
+  const auto number = static_cast<std::uint64_t>(after);
+  const auto end = std::chrono::steady_clock::now() + timeout_of(timeout_s);
+  while (true) {
+    std::shared_ptr<const flies::Snapshot> newest;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+    {
+      const py::gil_scoped_release release;
+      newest = engine.wait(number, std::clamp(left, std::chrono::milliseconds::zero(), kPiece));
+    }
+    if (newest->number > number || left <= kPiece) return std::const_pointer_cast<flies::Snapshot>(newest);
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
 }
 
 /// An engine ends after the pair that is being worked on: other threads of Python run meanwhile.
@@ -162,16 +187,10 @@ void bind_engine(py::module_& module) {
       .def(
           "snapshot", [](const Engine& self) { return std::const_pointer_cast<Snapshot>(self.snapshot()); },
           "The newest result, at once: a Snapshot.")
-      .def(
-          "wait",
-          [](const Engine& self, std::uint64_t after, double timeout_s) {
-            const auto timeout = timeout_of(timeout_s);
-            const py::gil_scoped_release release;
-            return std::const_pointer_cast<Snapshot>(self.wait(after, timeout));
-          },
-          "after"_a, "timeout_s"_a = 1.0,
-          "Waits for a result newer than number `after`, up to `timeout_s` seconds. Returns it, or the newest there "
-          "is.");
+      .def("wait", &wait, "after"_a, "timeout_s"_a = 1.0,
+           "Waits for a result newer than number `after`, up to `timeout_s` seconds, or until Ctrl-C. Returns it, or\n"
+           "the newest there is when the time is over. Raises InputError for a number below 0 or a time that is\n"
+           "not between 0 and a million seconds.");
 }
 
 template <class Options>

@@ -75,3 +75,5 @@ def test_time_must_advance(pair, camera):
         engine.submit(*pair, 0.5)
     with pytest.raises(flies.InputError, match="timeout_s"):
         engine.wait(0, timeout_s=-1)
+    with pytest.raises(flies.InputError, match="wait: after: found -1"):
+        engine.wait(-1)

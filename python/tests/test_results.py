@@ -122,6 +122,16 @@ def test_engine_gives_the_newest_result(pair, camera):
     assert tracking.tracks and tracking.detection.obstacles
 
 
+def test_nothing_has_an_age_until_a_pair_could_be_used(pair, camera):
+    engine = flies.Engine(camera)
+    assert np.isnan(engine.snapshot().age_s)
+    engine.submit(pair[0], pair[0], 0.0)  # one picture twice
+    refused = engine.wait(0, timeout_s=20.0)
+    assert refused.number == 1 and "identical" in refused.error and np.isnan(refused.age_s)
+    engine.submit(*pair, 0.1)
+    assert 0 < engine.wait(1, timeout_s=20.0).age_s < 20.0
+
+
 def test_options_are_used(pair, camera):
     few = flies.Detector(camera, {"evolve": {"flies": 500}})
     assert few.process(*pair).flies.shape == (500, 4)
