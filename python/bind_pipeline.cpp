@@ -16,6 +16,7 @@
 #include "images.hpp"
 #include "module.hpp"
 #include "options.hpp"
+#include "text.hpp"
 
 namespace py = pybind11;
 using py::literals::operator""_a;
@@ -24,14 +25,18 @@ namespace {
 
 constexpr const char* kMakeDoc =
     "`preset`: \"default\" (works best on roads), \"paper\" (as published), \"robot\" (low, over floors) or\n"
-    "\"handheld\" (carried, any height and tilt). `options`: a dict such as\n"
-    "{\"evolve.flies\": 3000, \"threads\": 2}, names as `options()` lists them; `ego.` and `track.` are those of\n"
-    "following. `model` of people: a name that `flies info` lists or a file; None: the preset's;\n"
-    "\"\": nobody is looked for. Raises InputError when the camera or an option is out of range.";
+    "\"handheld\" (carried, any height and tilt). `options`: a mapping such as {\"evolve.flies\": 3000, \"threads\": "
+    "2}\n"
+    "or {\"evolve\": {\"flies\": 3000}}, names as `options()` lists them; those that begin with `ego.` and `track.` "
+    "are\n"
+    "of following: a Tracker and an Engine have them, a Detector has not. `model` of people: a name that `flies info`\n"
+    "lists or the path of a file; None: the preset's; \"\": nobody is looked for. Raises InputError when the camera "
+    "or\n"
+    "an option is out of range.";
 
 std::shared_ptr<const flies::PeopleClassifier> classifier_of(const std::string& preset,
-                                                             const std::optional<std::string>& model) {
-  if (model) return model->empty() ? nullptr : flies::people_classifier(*model);
+                                                             const std::optional<PathArgument>& model) {
+  if (model) return model->text.empty() ? nullptr : flies::people_classifier(model->text);
   return flies::preset_classifier(flies::preset_named(preset, "preset"));
 }
 
@@ -53,8 +58,8 @@ void bind_detector(py::module_& module) {
       "Finds obstacles and pedestrians in rectified pairs of one camera. Steers by the pair before, so give it\n"
       "the pairs of a sequence in order, and each camera its own. May be called from several threads: one waits\n"
       "for the other.")
-      .def(py::init([](const flies::StereoCamera& camera, const py::dict& options, const std::string& preset,
-                       const std::optional<std::string>& model) {
+      .def(py::init([](const flies::StereoCamera& camera, const OptionsMapping& options, const std::string& preset,
+                       const std::optional<PathArgument>& model) {
              const auto all = python_options(camera, preset, options, false);
              const py::gil_scoped_release release;
              return std::make_unique<SharedDetector>(camera, all.detector, classifier_of(preset, model));
@@ -78,8 +83,8 @@ void bind_tracker(py::module_& module) {
   py::class_<SharedTracker>(module, "Tracker",
                             "Follows things through the pairs of one camera: its own motion, detection, tracks. May be "
                             "called from\nseveral threads: one waits for the other.")
-      .def(py::init([](const flies::StereoCamera& camera, const py::dict& options, const std::string& preset,
-                       const std::optional<std::string>& model) {
+      .def(py::init([](const flies::StereoCamera& camera, const OptionsMapping& options, const std::string& preset,
+                       const std::optional<PathArgument>& model) {
              const auto all = python_options(camera, preset, options, true);
              const py::gil_scoped_release release;
              return std::make_unique<SharedTracker>(camera, all.detector, all.following, classifier_of(preset, model));
@@ -112,7 +117,9 @@ void bind_snapshot(py::module_& module) {
       .def_readonly("dropped", &Snapshot::dropped, "Those of them that were overtaken by a newer one.")
       .def_readonly("latency_ms", &Snapshot::latency_ms,
                     "From `submit` of the newest pair that is done to its result, milliseconds.")
-      .def_readonly("error", &Snapshot::error, "Why the newest pair that is done could not be used; \"\": it could.")
+      .def_property_readonly(
+          "error", [](const Snapshot& s) { return sentence_str(s.error); },
+          "Why the newest pair that is done could not be used; \"\": it could.")
       .def_property_readonly(
           "age_s", &Snapshot::age_s,
           "Time since the pair of `tracking` was submitted, seconds; NaN as long as no pair could be "
@@ -167,8 +174,8 @@ void bind_engine(py::module_& module) {
       "read whenever it is wanted. A pair that was overtaken before its turn is dropped and counted. All members may "
       "be\n"
       "called from any threads.")
-      .def(py::init([](const flies::StereoCamera& camera, const py::dict& options, const std::string& preset,
-                       const std::optional<std::string>& model) {
+      .def(py::init([](const flies::StereoCamera& camera, const OptionsMapping& options, const std::string& preset,
+                       const std::optional<PathArgument>& model) {
              const auto all = python_options(camera, preset, options, true);
              const py::gil_scoped_release release;
              return OwnedEngine(new Engine(camera, all.detector, all.following, classifier_of(preset, model)));
