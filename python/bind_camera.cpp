@@ -14,6 +14,7 @@
 #include "flies/io/pair_source.hpp"
 #include "images.hpp"
 #include "module.hpp"
+#include "pickles.hpp"
 #include "text.hpp"
 
 namespace py = pybind11;
@@ -67,6 +68,26 @@ void bind_stereo_camera(py::module_& module) {
       .def_property_readonly(
           "camera_roll_rad", [](const StereoCamera& c) { return c.mount.roll_rad; },
           "Radians, positive when it leans to the right.")
+      .def(py::pickle(
+          [](const StereoCamera& c) {
+            return py::make_tuple(c.fx_px, c.fy_px, c.cx_px, c.cx_right_px, c.cy_px, c.baseline_m, c.width_px,
+                                  c.height_px, c.mount.height_m, c.mount.pitch_rad, c.mount.roll_rad);
+          },
+          [](const py::tuple& state) {
+            check_pickle(state, 11);
+            const auto number = [&](std::size_t i) { return state[i].cast<double>(); };
+            const StereoCamera camera{number(0),
+                                      number(1),
+                                      number(2),
+                                      number(3),
+                                      number(4),
+                                      number(5),
+                                      state[6].cast<int>(),
+                                      state[7].cast<int>(),
+                                      {number(8), number(9), number(10)}};
+            flies::check_camera(camera, "camera");
+            return camera;
+          }))
       .def("__repr__", [](const StereoCamera& c) {
         return fmt::format("<flies.StereoCamera f {:.1f} px, baseline {:.3f} m, {} x {} px, {:.2f} m above the ground>",
                            c.fx_px, c.baseline_m, c.width_px, c.height_px, c.mount.height_m);
@@ -123,8 +144,11 @@ flies::Calibration load_calibration(const PathArgument& path, const PathArgument
 
 void bind_calibration(py::module_& module) {
   using flies::Calibration;
-  py::class_<Calibration>(module, "Calibration", "What was understood of a calibration file; see `load_calibration`.")
-      .def_readonly("camera", &Calibration::camera, "The camera after rectification: a StereoCamera.")
+  auto bound = py::class_<Calibration>(module, "Calibration",
+                                       "What was understood of a calibration file; see `load_calibration`.");
+  is_its_own_copy(bound);
+  cannot_be_pickled(bound, "pickle its camera, or load it anew in each process");
+  bound.def_readonly("camera", &Calibration::camera, "The camera after rectification: a StereoCamera.")
       .def_readonly("format", &Calibration::format, "Name of the file's format.")
       .def_property_readonly(
           "notes",

@@ -16,6 +16,7 @@
 #include "images.hpp"
 #include "module.hpp"
 #include "options.hpp"
+#include "pickles.hpp"
 #include "text.hpp"
 
 namespace py = pybind11;
@@ -33,6 +34,8 @@ constexpr const char* kMakeDoc =
     "lists or the path of a file; None: the preset's; \"\": nobody is looked for. Raises InputError when the camera "
     "or\n"
     "an option is out of range.";
+
+constexpr const char* kMakeAnother = "make another one, in each process its own";
 
 std::shared_ptr<const flies::PeopleClassifier> classifier_of(const std::string& preset,
                                                              const std::optional<PathArgument>& model) {
@@ -53,11 +56,13 @@ using SharedDetector = OneCallAtATime<flies::Detector>;
 using SharedTracker = OneCallAtATime<flies::Tracker>;
 
 void bind_detector(py::module_& module) {
-  py::class_<SharedDetector>(
+  auto detector = py::class_<SharedDetector>(
       module, "Detector",
       "Finds obstacles and pedestrians in rectified pairs of one camera. Steers by the pair before, so give it\n"
       "the pairs of a sequence in order, and each camera its own. May be called from several threads: one waits\n"
-      "for the other.")
+      "for the other.");
+  cannot_be_pickled(detector, kMakeAnother);
+  detector
       .def(py::init([](const flies::StereoCamera& camera, const OptionsMapping& options, const std::string& preset,
                        const std::optional<PathArgument>& model) {
              const auto all = python_options(camera, preset, options, false);
@@ -80,9 +85,12 @@ void bind_detector(py::module_& module) {
 }
 
 void bind_tracker(py::module_& module) {
-  py::class_<SharedTracker>(module, "Tracker",
-                            "Follows things through the pairs of one camera: its own motion, detection, tracks. May be "
-                            "called from\nseveral threads: one waits for the other.")
+  auto tracker = py::class_<SharedTracker>(
+      module, "Tracker",
+      "Follows things through the pairs of one camera: its own motion, detection, tracks. May be "
+      "called from\nseveral threads: one waits for the other.");
+  cannot_be_pickled(tracker, kMakeAnother);
+  tracker
       .def(py::init([](const flies::StereoCamera& camera, const OptionsMapping& options, const std::string& preset,
                        const std::optional<PathArgument>& model) {
              const auto all = python_options(camera, preset, options, true);
@@ -109,9 +117,11 @@ std::shared_ptr<flies::Tracking> tracking_of(const std::shared_ptr<flies::Snapsh
 
 void bind_snapshot(py::module_& module) {
   using flies::Snapshot;
-  py::class_<Snapshot, std::shared_ptr<Snapshot>>(module, "Snapshot",
-                                                  "What an engine knows at a moment; but for its age it never changes.")
-      .def_property_readonly("tracking", &tracking_of, "After the newest pair that could be used: a Tracking.")
+  auto snapshot = py::class_<Snapshot, std::shared_ptr<Snapshot>>(
+      module, "Snapshot", "What an engine knows at a moment; but for its age it never changes.");
+  is_its_own_copy(snapshot);
+  cannot_be_pickled(snapshot, "pickle its tracking and what else is wanted of it");
+  snapshot.def_property_readonly("tracking", &tracking_of, "After the newest pair that could be used: a Tracking.")
       .def_readonly("number", &Snapshot::number, "Counts the pairs that are done, from 1; 0: none is yet.")
       .def_readonly("submitted", &Snapshot::submitted, "Pairs that had been submitted when it was made.")
       .def_readonly("dropped", &Snapshot::dropped, "Those of them that were overtaken by a newer one.")
@@ -168,12 +178,14 @@ using OwnedEngine = std::unique_ptr<flies::Engine, EndWithoutLock>;
 void bind_engine(py::module_& module) {
   using flies::Engine;
   using flies::Snapshot;
-  py::class_<Engine, OwnedEngine>(
+  auto bound = py::class_<Engine, OwnedEngine>(
       module, "Engine",
       "A tracker with a thread of its own, for a living camera: pairs go in whenever they come, the newest result is\n"
       "read whenever it is wanted. A pair that was overtaken before its turn is dropped and counted. All members may "
       "be\n"
-      "called from any threads.")
+      "called from any threads.");
+  cannot_be_pickled(bound, kMakeAnother);
+  bound
       .def(py::init([](const flies::StereoCamera& camera, const OptionsMapping& options, const std::string& preset,
                        const std::optional<PathArgument>& model) {
              const auto all = python_options(camera, preset, options, true);

@@ -2,6 +2,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "flies/core/results.hpp"
 #include "flies/pipeline/detector.hpp"
 #include "module.hpp"
+#include "pickles.hpp"
 
 namespace py = pybind11;
 
@@ -74,6 +76,35 @@ py::array_t<float> flies_of(const flies::Detection& detection) {
   return points;
 }
 
+/// What Python sees of a detection; the other intermediate results are left behind.
+py::tuple state_of(const flies::Detection& d) {
+  const auto& plane = d.road.plane;
+  const auto& flies = d.evolved.flies;
+  return py::make_tuple(d.obstacles, d.pedestrians, d.scan, d.stage_ms,
+                        std::array{plane.height_m, plane.slope, plane.bank}, d.road.found, flies.x_m, flies.y_m,
+                        flies.z_m, flies.fitness);
+}
+
+flies::Detection detection_of(const py::tuple& state) {
+  check_pickle(state, 10);
+  flies::Detection d;
+  d.obstacles = state[0].cast<std::vector<flies::Obstacle>>();
+  d.pedestrians = state[1].cast<std::vector<flies::Pedestrian>>();
+  d.scan = state[2].cast<flies::Scan>();
+  d.stage_ms = state[3].cast<flies::StageTimes_ms>();
+  const auto plane = state[4].cast<std::array<double, 3>>();
+  d.road.plane = {plane[0], plane[1], plane[2]};
+  d.road.found = state[5].cast<bool>();
+  auto& flies = d.evolved.flies;
+  flies.x_m = state[6].cast<std::vector<float>>();
+  flies.y_m = state[7].cast<std::vector<float>>();
+  flies.z_m = state[8].cast<std::vector<float>>();
+  flies.fitness = state[9].cast<std::vector<float>>();
+  for (const auto* values : {&flies.y_m, &flies.z_m, &flies.fitness})
+    if (values->size() != flies.size()) throw py::value_error("the pickle has not all numbers of every fly");
+  return d;
+}
+
 py::dict times_of(const flies::Detection& detection) {
   py::dict times;
   for (std::size_t i = 0; i < flies::kStageCount; ++i)
@@ -90,6 +121,7 @@ void bind_box(py::module_& module) {
       .def_readonly("v_px", &ImageBox::v_px, "Upper edge, pixels down.")
       .def_readonly("width_px", &ImageBox::width_px, "Pixels.")
       .def_readonly("height_px", &ImageBox::height_px, "Pixels.")
+      .def(pickled<ImageBox, &ImageBox::u_px, &ImageBox::v_px, &ImageBox::width_px, &ImageBox::height_px>())
       .def("__repr__", [](const ImageBox& b) {
         return fmt::format("<flies.ImageBox u {:.1f} v {:.1f}, {:.1f} x {:.1f} px>", b.u_px, b.v_px, b.width_px,
                            b.height_px);
@@ -113,6 +145,9 @@ void bind_obstacle(py::module_& module) {
       .def_readonly("ground_z_m", &Obstacle::ground_z_m, "Height of the road under it, metres.")
       .def_readonly("score", &Obstacle::score, "Summed fitness of its flies; comparable for equal options.")
       .def_readonly("box", &Obstacle::box, "In the left image: an ImageBox.")
+      .def(pickled<Obstacle, &Obstacle::x_m, &Obstacle::y_m, &Obstacle::range_m, &Obstacle::range_sd_m,
+                   &Obstacle::width_m, &Obstacle::middle_offset_m, &Obstacle::depth_m, &Obstacle::height_m,
+                   &Obstacle::ground_z_m, &Obstacle::score, &Obstacle::box>())
       .def("__repr__", [](const Obstacle& o) {
         return fmt::format("<flies.Obstacle {:.2f} m ahead, {:.2f} m to the left, {:.2f} m wide>", o.x_m, o.y_m,
                            o.width_m);
@@ -129,6 +164,8 @@ void bind_pedestrian(py::module_& module) {
       .def_readonly("height_m", &Pedestrian::height_m, "Head above feet, metres.")
       .def_readonly("probability", &Pedestrian::probability, "That this is a person, 0 to 1.")
       .def_readonly("box", &Pedestrian::box, "Tight around the person in the left image: an ImageBox.")
+      .def(pickled<Pedestrian, &Pedestrian::x_m, &Pedestrian::y_m, &Pedestrian::range_m, &Pedestrian::range_sd_m,
+                   &Pedestrian::height_m, &Pedestrian::probability, &Pedestrian::box>())
       .def("__repr__", [](const Pedestrian& p) {
         return fmt::format("<flies.Pedestrian {:.2f} m ahead, {:.2f} m to the left, probability {:.2f}>", p.x_m, p.y_m,
                            p.probability);
@@ -169,6 +206,7 @@ void bind_results(py::module_& module) {
           "road_found", [](const Detection& d) { return d.road.found; },
           "False: `road` is the nominal ground, all zero.")
       .def_property_readonly("stage_ms", &times_of, "Dict of the time each stage took, milliseconds.")
+      .def(py::pickle(&state_of, &detection_of))
       .def("__repr__", [](const Detection& d) {
         return fmt::format("<flies.Detection {} obstacles, {} pedestrians>", d.obstacles.size(), d.pedestrians.size());
       });

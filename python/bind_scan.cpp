@@ -8,6 +8,7 @@
 #include "flies/core/free_space.hpp"
 #include "flies/core/scan.hpp"
 #include "module.hpp"
+#include "pickles.hpp"
 
 namespace py = pybind11;
 
@@ -49,6 +50,24 @@ py::array_t<double> free_space_of(const flies::Scan& scan) {
   return points;
 }
 
+flies::Scan scan_of(const py::tuple& state) {
+  check_pickle(state, 6);
+  flies::Scan scan;
+  scan.angle_min_rad = state[0].cast<double>();
+  scan.angle_increment_rad = state[1].cast<double>();
+  scan.ranges_m = state[2].cast<std::vector<double>>();
+  scan.free_m = state[3].cast<std::vector<double>>();
+  scan.confidence = state[4].cast<std::vector<double>>();
+  for (const int index : state[5].cast<std::vector<int>>()) {
+    if (index < 0 || index > static_cast<int>(flies::SectorState::unknown))
+      throw py::value_error("the pickle has a state that no sector has");
+    scan.states.push_back(static_cast<flies::SectorState>(index));
+  }
+  for (const auto* values : {&scan.ranges_m, &scan.free_m, &scan.confidence})
+    if (values->size() != scan.size()) throw py::value_error("the pickle has not all numbers of every sector");
+  return scan;
+}
+
 }  // namespace
 
 void bind_scan(py::module_& module) {
@@ -75,6 +94,13 @@ void bind_scan(py::module_& module) {
       .def("free_space", &free_space_of,
            "The ground that was seen free as a polygon, shape (m, 2): x forward and y left in metres.")
       .def("__len__", &Scan::size)
+      .def(py::pickle(
+          [](const Scan& s) {
+            std::vector<int> states;
+            for (const auto state : s.states) states.push_back(static_cast<int>(state));
+            return py::make_tuple(s.angle_min_rad, s.angle_increment_rad, s.ranges_m, s.free_m, s.confidence, states);
+          },
+          &scan_of))
       .def("__repr__", [](const Scan& s) {
         return fmt::format("<flies.Scan {} sectors of {:.4f} rad, {} with an obstacle, {} unknown>", s.size(),
                            s.angle_increment_rad, std::ranges::count(s.states, flies::SectorState::obstacle),

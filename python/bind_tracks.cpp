@@ -2,6 +2,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 #include "flies/core/options.hpp"
 #include "flies/pipeline/tracker.hpp"
 #include "module.hpp"
+#include "pickles.hpp"
 
 namespace py = pybind11;
 
@@ -63,6 +65,35 @@ py::array_t<double> covariance_of(const flies::Track& track) {
   return matrix;
 }
 
+py::tuple state_of(const flies::Track& t) {
+  const auto& s = t.state;
+  return py::make_tuple(t.id, t.kind == flies::TrackClass::person, t.person_log_odds, t.probability,
+                        std::array{s.x_m, s.y_m, s.vx_mps, s.vy_mps}, s.covariance,
+                        std::array{t.velocity.vx_mps, t.velocity.vy_mps, t.velocity.moving_probability}, t.width_m,
+                        t.height_m, t.age_s, t.unseen_s, t.sightings, t.moving_sightings, t.box);
+}
+
+flies::Track track_of(const py::tuple& state) {
+  check_pickle(state, 14);
+  flies::Track t;
+  t.id = state[0].cast<std::uint64_t>();
+  t.kind = state[1].cast<bool>() ? flies::TrackClass::person : flies::TrackClass::other;
+  t.person_log_odds = state[2].cast<double>();
+  t.probability = state[3].cast<double>();
+  const auto at = state[4].cast<std::array<double, 4>>();
+  t.state = {at[0], at[1], at[2], at[3], state[5].cast<flies::Covariance4>()};
+  const auto velocity = state[6].cast<std::array<double, 3>>();
+  t.velocity = {velocity[0], velocity[1], velocity[2]};
+  t.width_m = state[7].cast<double>();
+  t.height_m = state[8].cast<double>();
+  t.age_s = state[9].cast<double>();
+  t.unseen_s = state[10].cast<double>();
+  t.sightings = state[11].cast<int>();
+  t.moving_sightings = state[12].cast<int>();
+  t.box = state[13].cast<flies::ImageBox>();
+  return t;
+}
+
 void bind_track(py::module_& module) {
   using flies::Track;
   py::class_<Track>(module, "Track",
@@ -92,6 +123,7 @@ void bind_track(py::module_& module) {
       .def_readonly("unseen_s", &Track::unseen_s, "Since it was last seen, seconds; 0: in this pair.")
       .def_readonly("sightings", &Track::sightings, "Pairs in which it was seen.")
       .def_readonly("box", &Track::box, "In the left image, seen or predicted: an ImageBox.")
+      .def(py::pickle(&state_of, &track_of))
       .def("__repr__", [](const Track& t) {
         return fmt::format("<flies.Track {} {}, {:.2f} m ahead, {:.2f} m to the left>", t.id, flies::enum_name(t.kind),
                            t.state.x_m, t.state.y_m);
@@ -106,6 +138,8 @@ void bind_ego_motion(py::module_& module) {
       .def_readonly("vx_mps", &EgoMotion::vx_mps, "Forward, metres a second.")
       .def_readonly("vy_mps", &EgoMotion::vy_mps, "To the left, metres a second.")
       .def_readonly("yaw_rate_rps", &EgoMotion::yaw_rate_rps, "Radians a second, positive to the left.")
+      .def(pickled<EgoMotion, &EgoMotion::is_known, &EgoMotion::dt_s, &EgoMotion::vx_mps, &EgoMotion::vy_mps,
+                   &EgoMotion::yaw_rate_rps>())
       .def("__repr__", [](const EgoMotion& e) {
         return e.is_known ? fmt::format("<flies.EgoMotion {:.2f} m/s forward, {:.2f} m/s to the left, {:.3f} rad/s>",
                                         e.vx_mps, e.vy_mps, e.yaw_rate_rps)
@@ -133,6 +167,8 @@ void bind_tracks(py::module_& module) {
       .def_readonly("detection", &Tracking::detection, "Of this pair alone: a Detection.")
       .def_readonly("ego_ms", &Tracking::ego_ms, "Time that the camera's motion took, milliseconds.")
       .def_readonly("track_ms", &Tracking::track_ms, "Time that the tracks took, milliseconds.")
+      .def(pickled<Tracking, &Tracking::time_s, &Tracking::ego, &Tracking::tracks, &Tracking::detection,
+                   &Tracking::ego_ms, &Tracking::track_ms>())
       .def("__repr__", [](const Tracking& t) {
         return fmt::format("<flies.Tracking at {:.3f} s, {} tracks>", t.time_s, t.tracks.size());
       });

@@ -26,6 +26,9 @@ void raise_input_error(std::exception_ptr exception) {
 PYBIND11_MODULE(_flies, module) {
   module.doc() = "The compiled part of the package flies.";
   module.attr("__version__") = FLIES_VERSION;
+  // Classes and functions belong to the package: so help, error messages and pickles say where they are found.
+  const py::object own_name = module.attr("__name__");
+  module.attr("__name__") = "flies";
   auto& input_error = py::register_exception<flies::InputError>(module, "InputError", PyExc_ValueError);
   input_error.doc() =
       "A fault of the input: a file, an image, a calibration, an option. Its text is one line that names the source\n"
@@ -38,4 +41,5 @@ PYBIND11_MODULE(_flies, module) {
   bind_results(module);
   bind_tracks(module);
   bind_pipeline(module);
+  module.attr("__name__") = own_name;
 }

@@ -68,8 +68,3 @@ __all__ = [
     "load_pair",
     "options",
 ]
-
-for _name in __all__:  # pickles, help and error messages say where the name is found
-    if isinstance(globals()[_name], type):
-        globals()[_name].__module__ = "flies"
-del _name
