@@ -48,17 +48,18 @@ void bind_stereo_camera(py::module_& module) {
           "height_px"_a = 0, "cx_right_px"_a = py::none(), "camera_height_m"_a = flies::CameraMount{}.height_m,
           "camera_pitch_rad"_a = 0.0, "camera_roll_rad"_a = 0.0,
           "Focal lengths and principal point in pixels, baseline in metres. `width_px` and `height_px` of the images,\n"
-          "0 when not known. `cx_right_px` where it differs from `cx_px`. The mount: height of the left camera above\n"
+          "both 0 when not known. `cx_right_px` where it differs from `cx_px`. The mount: height of the left camera "
+          "above\n"
           "the ground in metres, pitch (positive looks down) and roll (positive leans to the right) in radians.\n"
           "Raises InputError when a number is out of range.")
       .def_readonly("fx_px", &StereoCamera::fx_px, "Focal length along rows, pixels.")
       .def_readonly("fy_px", &StereoCamera::fy_px, "Focal length along columns, pixels.")
-      .def_readonly("cx_px", &StereoCamera::cx_px, "Principal point of the left image, column.")
-      .def_readonly("cx_right_px", &StereoCamera::cx_right_px, "Principal point of the right image, column.")
-      .def_readonly("cy_px", &StereoCamera::cy_px, "Principal point of both images, row.")
+      .def_readonly("cx_px", &StereoCamera::cx_px, "Principal point of the left image, column, pixels.")
+      .def_readonly("cx_right_px", &StereoCamera::cx_right_px, "Principal point of the right image, column, pixels.")
+      .def_readonly("cy_px", &StereoCamera::cy_px, "Principal point of both images, row, pixels.")
       .def_readonly("baseline_m", &StereoCamera::baseline_m, "Distance of the two cameras, metres.")
-      .def_readonly("width_px", &StereoCamera::width_px, "Of the images; 0: not known.")
-      .def_readonly("height_px", &StereoCamera::height_px, "Of the images; 0: not known.")
+      .def_readonly("width_px", &StereoCamera::width_px, "Of the images, pixels; 0: not known.")
+      .def_readonly("height_px", &StereoCamera::height_px, "Of the images, pixels; 0: not known.")
       .def_property_readonly(
           "camera_height_m", [](const StereoCamera& c) { return c.mount.height_m; },
           "Of the left camera above the ground, metres.")

@@ -81,7 +81,8 @@ void bind_detector(py::module_& module) {
           "left"_a, "right"_a,
           "A rectified pair, uint8 arrays of shape (height, width), not copied; rows may lie apart, so halves of a\n"
           "side-by-side picture will do. Other threads run meanwhile; do not write to the images until it returns.\n"
-          "Returns a Detection. Raises InputError when the images do not fit the camera.");
+          "Returns a Detection. Raises InputError when the images do not fit the camera or are no pair: one picture\n"
+          "twice, or, of the first pair, left and right swapped.");
 }
 
 void bind_tracker(py::module_& module) {
@@ -108,7 +109,7 @@ void bind_tracker(py::module_& module) {
           },
           "left"_a, "right"_a, "time_s"_a,
           "A rectified pair as for Detector.process, and its time in seconds, later than that of the one before.\n"
-          "Returns a Tracking. Raises InputError when images do not fit or time does not advance.");
+          "Returns a Tracking. Raises InputError as Detector.process, and when time does not advance.");
 }
 
 std::shared_ptr<flies::Tracking> tracking_of(const std::shared_ptr<flies::Snapshot>& snapshot) {
@@ -202,7 +203,8 @@ void bind_engine(py::module_& module) {
           },
           "left"_a, "right"_a, "time_s"_a,
           "Hands over a rectified pair as for Tracker.process; it is copied, and the call returns at once. Raises\n"
-          "InputError when images do not fit or time does not advance.")
+          "InputError when images do not fit the camera or time does not advance; what is found wrong later is the\n"
+          "`error` of a Snapshot.")
       .def(
           "snapshot", [](const Engine& self) { return std::const_pointer_cast<Snapshot>(self.snapshot()); },
           "The newest result, at once: a Snapshot.")
@@ -234,5 +236,7 @@ void bind_pipeline(py::module_& module) {
         return list;
       },
       "preset"_a = "default",
-      "Every option of the method and of following: a list of (name, value, what is allowed, meaning), all str.");
+      "Every option of the method and of following: a list of (name, value, what is allowed, meaning), all str. Values "
+      "are\n"
+      "those of the preset, before a Detector, Tracker or Engine fits it to its camera.");
 }

@@ -141,8 +141,8 @@ void bind_obstacle(py::module_& module) {
       .def_readonly("middle_offset_m", &Obstacle::middle_offset_m,
                     "Of the middle of its width from its position, across the line of sight, to the left, metres.")
       .def_readonly("depth_m", &Obstacle::depth_m, "Seen along the line of sight, metres; 0: only its face is seen.")
-      .def_readonly("height_m", &Obstacle::height_m, "Of its top above the road, metres.")
-      .def_readonly("ground_z_m", &Obstacle::ground_z_m, "Height of the road under it, metres.")
+      .def_readonly("height_m", &Obstacle::height_m, "Of its top above the road under it, metres.")
+      .def_readonly("ground_z_m", &Obstacle::ground_z_m, "Height of the road under it in the vehicle frame, metres.")
       .def_readonly("score", &Obstacle::score, "Summed fitness of its flies; comparable for equal options.")
       .def_readonly("box", &Obstacle::box, "In the left image: an ImageBox.")
       .def(pickled<Obstacle, &Obstacle::x_m, &Obstacle::y_m, &Obstacle::range_m, &Obstacle::range_sd_m,
@@ -184,7 +184,8 @@ void bind_results(py::module_& module) {
   bind_pedestrian(module);
   using flies::Detection;
   py::class_<Detection, std::shared_ptr<Detection>>(module, "Detection", "What was found in one pair.")
-      .def_readonly("obstacles", &Detection::obstacles, "List of Obstacle, nearest first.")
+      .def_readonly("obstacles", &Detection::obstacles,
+                    "List of Obstacle, nearest first; made anew at every call, as are the arrays.")
       .def_readonly("pedestrians", &Detection::pedestrians, "List of Pedestrian, nearest first.")
       .def_readonly("scan", &Detection::scan, "The nearest obstacle in every direction: a Scan.")
       .def_property_readonly(
@@ -204,8 +205,10 @@ void bind_results(py::module_& module) {
           "The road as (height, slope, bank): z = height + slope * x + bank * y, metres.")
       .def_property_readonly(
           "road_found", [](const Detection& d) { return d.road.found; },
-          "False: `road` is the nominal ground, all zero.")
-      .def_property_readonly("stage_ms", &times_of, "Dict of the time each stage took, milliseconds.")
+          "False: `road` is the nominal ground, all zero: too little of it was seen, or it was not asked for.")
+      .def_property_readonly(
+          "stage_ms", &times_of,
+          "Dict of the time that each stage took, milliseconds: road, evolve, scan, concentrate, propose, classify.")
       .def(py::pickle(&state_of, &detection_of))
       .def("__repr__", [](const Detection& d) {
         return fmt::format("<flies.Detection {} obstacles, {} pedestrians>", d.obstacles.size(), d.pedestrians.size());

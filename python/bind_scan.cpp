@@ -75,12 +75,16 @@ void bind_scan(py::module_& module) {
   auto scan = py::class_<Scan>(
       module, "Scan",
       "What a laser scanner on the left camera would have measured: one entry a sector in every array, all of shape\n"
-      "(n,). Sectors run from right to left; angles are radians from straight ahead, positive to the left.");
+      "(n,). Sectors run from right to left; angles are radians from straight ahead, positive to the left.\n"
+      "`ranges_m`, `free_m` and `confidence` are views that cannot be written to and keep the scan alive; "
+      "`angles_rad`,\n"
+      "`states` and `free_space()` are made anew at every call.");
   scan.attr("OBSTACLE") = static_cast<int>(flies::SectorState::obstacle);
   scan.attr("FREE") = static_cast<int>(flies::SectorState::free);
   scan.attr("UNKNOWN") = static_cast<int>(flies::SectorState::unknown);
-  scan.def_readonly("angle_min_rad", &Scan::angle_min_rad, "Middle of the first sector, the rightmost.")
-      .def_readonly("angle_increment_rad", &Scan::angle_increment_rad, "From one sector to the next, and their width.")
+  scan.def_readonly("angle_min_rad", &Scan::angle_min_rad, "Middle of the first sector, the rightmost, radians.")
+      .def_readonly("angle_increment_rad", &Scan::angle_increment_rad,
+                    "From one sector to the next, and their width, radians.")
       .def_property_readonly("angles_rad", &angles_of, "Middles of the sectors, radians, shape (n,).")
       .def_property_readonly("ranges_m", &borrow<&Scan::ranges_m>,
                              "Range of the nearest obstacle, metres, shape (n,); NaN where there is none.")
@@ -92,7 +96,7 @@ void bind_scan(py::module_& module) {
           "OBSTACLE, FREE or UNKNOWN of each sector, uint8, shape (n,). Unknown is neither free nor\n"
           "an obstacle.")
       .def("free_space", &free_space_of,
-           "The ground that was seen free as a polygon, shape (m, 2): x forward and y left in metres.")
+           "The ground that was seen free as a polygon, float64, shape (m, 2): x forward and y left in metres.")
       .def("__len__", &Scan::size)
       .def(py::pickle(
           [](const Scan& s) {

@@ -103,7 +103,8 @@ void bind_track(py::module_& module) {
       .def_property_readonly(
           "kind", [](const Track& t) { return std::string(flies::enum_name(t.kind)); }, "\"person\" or \"other\".")
       .def_readonly("probability", &Track::probability, "That it exists, 0 to 1.")
-      .def_readonly("person_log_odds", &Track::person_log_odds, "Evidence of all pairs that it is a person.")
+      .def_readonly("person_log_odds", &Track::person_log_odds,
+                    "Evidence of all pairs that it is a person: a log odds, above 0 for.")
       .def_property_readonly(
           "x_m", [](const Track& t) { return t.state.x_m; }, "Forward, metres.")
       .def_property_readonly(
@@ -117,8 +118,8 @@ void bind_track(py::module_& module) {
       .def_property_readonly(
           "moving_probability", [](const Track& t) { return t.velocity.moving_probability; }, "That it moves, 0 to 1.")
       .def_property_readonly("covariance", &covariance_of, "Of x, y, vx, vy, shape (4, 4), in m and m/s.")
-      .def_readonly("width_m", &Track::width_m, "Metres.")
-      .def_readonly("height_m", &Track::height_m, "Metres.")
+      .def_readonly("width_m", &Track::width_m, "Across the line of sight, metres.")
+      .def_readonly("height_m", &Track::height_m, "Of its top above the road, metres.")
       .def_readonly("age_s", &Track::age_s, "Since it was first seen, seconds.")
       .def_readonly("unseen_s", &Track::unseen_s, "Since it was last seen, seconds; 0: in this pair.")
       .def_readonly("sightings", &Track::sightings, "Pairs in which it was seen.")
@@ -165,7 +166,9 @@ void bind_tracks(py::module_& module) {
           "The tracks as a structured array, shape (n,), with all their attributes as fields: `is_person` for `kind`,\n"
           "the box as u_px, v_px, width_px, height_px, the covariance of shape (n, 4, 4).")
       .def_readonly("detection", &Tracking::detection, "Of this pair alone: a Detection.")
-      .def_readonly("ego_ms", &Tracking::ego_ms, "Time that the camera's motion took, milliseconds.")
+      .def_readonly(
+          "ego_ms", &Tracking::ego_ms,
+          "Time that the camera's motion took, milliseconds; with several threads the detection begins beside it.")
       .def_readonly("track_ms", &Tracking::track_ms, "Time that the tracks took, milliseconds.")
       .def(pickled<Tracking, &Tracking::time_s, &Tracking::ego, &Tracking::tracks, &Tracking::detection,
                    &Tracking::ego_ms, &Tracking::track_ms>())

@@ -87,6 +87,17 @@ def test_scan_is_borrowed_and_outlives_its_detection(pair, camera):
         ranges[0] = 1.0
 
 
+def test_scan_says_what_can_be_written_to(pair, camera):
+    scan = flies.Detector(camera).process(*pair).scan
+    for name in ("ranges_m", "free_m", "confidence"):
+        assert not getattr(scan, name).flags.writeable, name
+    for values in (scan.angles_rad, scan.states, scan.free_space()):
+        before = values.copy()
+        values[...] = 0  # a copy
+        assert values.flags.writeable and before.any()
+    assert scan.angles_rad.any() and scan.states.any() and scan.free_space().any()
+
+
 def test_free_space_starts_at_the_camera(pair, camera):
     polygon = flies.Detector(camera).process(*pair).scan.free_space()
     assert polygon.shape[0] > 10 and polygon.shape[1] == 2
