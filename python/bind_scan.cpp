@@ -8,6 +8,7 @@
 #include "flies/core/free_space.hpp"
 #include "flies/core/scan.hpp"
 #include "module.hpp"
+#include "pickles.hpp"
 
 namespace py = pybind11;
 
@@ -49,6 +50,24 @@ py::array_t<double> free_space_of(const flies::Scan& scan) {
   return points;
 }
 
+flies::Scan scan_of(const py::tuple& state) {
+  check_pickle(state, 6);
+  flies::Scan scan;
+  scan.angle_min_rad = state[0].cast<double>();
+  scan.angle_increment_rad = state[1].cast<double>();
+  scan.ranges_m = state[2].cast<std::vector<double>>();
+  scan.free_m = state[3].cast<std::vector<double>>();
+  scan.confidence = state[4].cast<std::vector<double>>();
+  for (const int index : state[5].cast<std::vector<int>>()) {
+    if (index < 0 || index > static_cast<int>(flies::SectorState::unknown))
+      throw py::value_error("the pickle has a state that no sector has");
+    scan.states.push_back(static_cast<flies::SectorState>(index));
+  }
+  for (const auto* values : {&scan.ranges_m, &scan.free_m, &scan.confidence})
+    if (values->size() != scan.size()) throw py::value_error("the pickle has not all numbers of every sector");
+  return scan;
+}
+
 }  // namespace
 
 void bind_scan(py::module_& module) {
@@ -56,12 +75,16 @@ void bind_scan(py::module_& module) {
   auto scan = py::class_<Scan>(
       module, "Scan",
       "What a laser scanner on the left camera would have measured: one entry a sector in every array, all of shape\n"
-      "(n,). Sectors run from right to left; angles are radians from straight ahead, positive to the left.");
+      "(n,). Sectors run from right to left; angles are radians from straight ahead, positive to the left.\n"
+      "`ranges_m`, `free_m` and `confidence` are views that cannot be written to and keep the scan alive; "
+      "`angles_rad`,\n"
+      "`states` and `free_space()` are made anew at every call.");
   scan.attr("OBSTACLE") = static_cast<int>(flies::SectorState::obstacle);
   scan.attr("FREE") = static_cast<int>(flies::SectorState::free);
   scan.attr("UNKNOWN") = static_cast<int>(flies::SectorState::unknown);
-  scan.def_readonly("angle_min_rad", &Scan::angle_min_rad, "Middle of the first sector, the rightmost.")
-      .def_readonly("angle_increment_rad", &Scan::angle_increment_rad, "From one sector to the next, and their width.")
+  scan.def_readonly("angle_min_rad", &Scan::angle_min_rad, "Middle of the first sector, the rightmost, radians.")
+      .def_readonly("angle_increment_rad", &Scan::angle_increment_rad,
+                    "From one sector to the next, and their width, radians.")
       .def_property_readonly("angles_rad", &angles_of, "Middles of the sectors, radians, shape (n,).")
       .def_property_readonly("ranges_m", &borrow<&Scan::ranges_m>,
                              "Range of the nearest obstacle, metres, shape (n,); NaN where there is none.")
@@ -73,8 +96,15 @@ void bind_scan(py::module_& module) {
           "OBSTACLE, FREE or UNKNOWN of each sector, uint8, shape (n,). Unknown is neither free nor\n"
           "an obstacle.")
       .def("free_space", &free_space_of,
-           "The ground that was seen free as a polygon, shape (m, 2): x forward and y left in metres.")
+           "The ground that was seen free as a polygon, float64, shape (m, 2): x forward and y left in metres.")
       .def("__len__", &Scan::size)
+      .def(py::pickle(
+          [](const Scan& s) {
+            std::vector<int> states;
+            for (const auto state : s.states) states.push_back(static_cast<int>(state));
+            return py::make_tuple(s.angle_min_rad, s.angle_increment_rad, s.ranges_m, s.free_m, s.confidence, states);
+          },
+          &scan_of))
       .def("__repr__", [](const Scan& s) {
         return fmt::format("<flies.Scan {} sectors of {:.4f} rad, {} with an obstacle, {} unknown>", s.size(),
                            s.angle_increment_rad, std::ranges::count(s.states, flies::SectorState::obstacle),

@@ -1,6 +1,10 @@
 #include "options.hpp"
 
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+
+#include <algorithm>
+#include <cstddef>
 
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
@@ -13,22 +17,31 @@ constexpr const char* kSource = "options";
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
+/// Options nest three deep: a mapping that holds itself comes to an end, too.
+constexpr std::ptrdiff_t kDeepest = 20;
+
 /// As it would be written on a command line.
 std::string value_text(const py::handle& value, const std::string& path) {
-  if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
+  if (py::isinstance<py::array>(value) && py::reinterpret_borrow<py::array>(value).ndim() == 0)
+    return value_text(value.attr("item")(), path);
+  if (py::isinstance<py::bool_>(value) || py::isinstance(value, py::module_::import("numpy").attr("bool_")))
+    return py::bool_(py::reinterpret_borrow<py::object>(value)) ? "true" : "false";
   if (value.is_none() || py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value))
     throw flies::InputError(kSource, path,
                             "found " + std::string(py::str(value)) + ", expected a number, a bool or a name");
   return py::str(value);
 }
 
-void flatten(const py::dict& options, const std::string& prefix, Settings& settings) {
-  for (const auto& [key, value] : options) {
+void flatten(const py::object& options, const std::string& prefix, Settings& settings) {
+  if (std::ranges::count(prefix, '.') > kDeepest)
+    throw flies::InputError(kSource, "", "mappings are nested too deeply");
+  for (const auto& item : options.attr("items")()) {
+    const auto [key, value] = item.cast<std::pair<py::object, py::object>>();
     if (!py::isinstance<py::str>(key))
       throw flies::InputError(kSource, prefix, "found the key " + std::string(py::str(key)) + ", expected a name");
     const std::string path = prefix + std::string(py::str(key));
-    if (py::isinstance<py::dict>(value))
-      flatten(py::reinterpret_borrow<py::dict>(value), path + ".", settings);
+    if (is_mapping(value.ptr()))
+      flatten(value, path + ".", settings);
     else
       settings.emplace_back(path, value_text(value, path));
   }
@@ -38,8 +51,12 @@ bool is_of_following(const std::string& path) { return path.starts_with("ego.") 
 
 }  // namespace
 
-PythonOptions python_options(const flies::StereoCamera& camera, const std::string& preset, const py::dict& options,
-                             bool may_follow) {
+bool is_mapping(PyObject* object) {
+  return PyDict_Check(object) != 0 || py::isinstance(object, py::module_::import("collections.abc").attr("Mapping"));
+}
+
+PythonOptions python_options(const flies::StereoCamera& camera, const std::string& preset,
+                             const OptionsMapping& options, bool may_follow) {
   PythonOptions result;
   const flies::Preset named = flies::preset_named(preset, "preset");
   result.detector = flies::preset_options(named);

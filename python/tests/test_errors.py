@@ -1,7 +1,9 @@
 """Faults raise InputError with the text that the program prints."""
 import os
 import subprocess
+import types
 
+import numpy as np
 import pytest
 
 import flies
@@ -39,12 +41,63 @@ def test_missing_file_is_named(paths):
         ({"evolve.flies": 0.5}, "options: evolve.flies: found"),
         ({"evolve.flies": None}, "options: evolve.flies: found None"),
         ({1: 2}, "options: found the key 1"),
+        ({"evolve.flies": np.bool_(True)}, "options: evolve.flies: found"),
+        ({"evolve": types.MappingProxyType({"fliess": 1})}, "options: evolve.fliess: unknown option"),
     ],
 )
 def test_options_are_checked(camera, options, words):
     with pytest.raises(flies.InputError) as told:
         flies.Detector(camera, options)
     assert str(told.value).startswith(words)
+
+
+def test_options_that_hold_themselves_are_refused(camera):
+    options = {}
+    options["evolve"] = options
+    with pytest.raises(flies.InputError, match="nested too deeply"):
+        flies.Detector(camera, options)
+
+
+def test_sizes_are_checked(street):
+    calib = street / "calib.yaml"
+
+    def refused(words, **size):
+        with pytest.raises(flies.InputError) as told:
+            flies.load_calibration(calib, **size)
+        assert str(told.value).startswith(f"{calib}: {words}")
+
+    refused("image size: -5 x 3 px was said", width_px=-5, height_px=3)
+    refused("image size: 1242 x 0 px was said", width_px=1242)
+    refused("image size: 0 x 375 px was said", height_px=375)
+    refused("image size: 2000000000 x 375 px was said", width_px=2000000000, height_px=375)
+    refused("calibrated size: 640 x 0 px was said", calibrated_size_px=(640, 0))
+    refused("calibrated size: found 3 numbers, expected two", calibrated_size_px=(640, 240, 1))
+    refused("cameras: found 1 numbers, expected two", cameras=[0])
+    numbers = {"fx_px": 400, "fy_px": 400, "cx_px": 320, "cy_px": 120, "baseline_m": 0.5}
+    for size in ({"width_px": 640}, {"height_px": 240}, {"width_px": -5, "height_px": 3}):
+        with pytest.raises(flies.InputError, match="camera: .*image size"):
+            flies.StereoCamera(**numbers, **size)
+    assert flies.StereoCamera(**numbers).width_px == 0
+
+
+def test_rectify_refuses_images_of_another_size(street, pair, tmp_path):
+    calibration = flies.load_calibration(street / "calib.yaml")
+    assert not calibration.is_raw
+    left, right = calibration.rectify(*pair)
+    assert np.array_equal(left, pair[0]) and np.array_equal(right, pair[1]) and left is not pair[0]
+    with pytest.raises(flies.InputError, match="calibration: image size: .* 640 x 240 px, the images have 640 x 200"):
+        calibration.rectify(pair[0][:200], pair[1][:200])
+    raw = tmp_path / "raw.yml"
+    matrix = "!!opencv-matrix {{ rows: {}, cols: {}, dt: d, data: [{}] }}"
+    raw.write_text("%YAML:1.0\n---\nimage_width: 640\nimage_height: 240\n" + "".join(
+        f"{name}: {matrix.format(rows, cols, numbers)}\n" for name, rows, cols, numbers in [
+            ("M1", 3, 3, "400,0,320,0,400,120,0,0,1"), ("D1", 1, 5, "-0.1,0,0,0,0"),
+            ("M2", 3, 3, "400,0,320,0,400,120,0,0,1"), ("D2", 1, 5, "-0.1,0,0,0,0"),
+            ("R", 3, 3, "1,0,0,0,1,0,0,0,1"), ("T", 3, 1, "-0.5,0,0")]))
+    calibration = flies.load_calibration(raw)
+    assert calibration.is_raw and calibration.rectify(*pair)[0].shape == pair[0].shape
+    with pytest.raises(flies.InputError, match="image size: .* 640 x 240 px, the images have 640 x 200"):
+        calibration.rectify(pair[0][:200], pair[1][:200])
 
 
 def test_options_of_following_belong_to_trackers(camera):
@@ -75,3 +128,5 @@ def test_time_must_advance(pair, camera):
         engine.submit(*pair, 0.5)
     with pytest.raises(flies.InputError, match="timeout_s"):
         engine.wait(0, timeout_s=-1)
+    with pytest.raises(flies.InputError, match="wait: after: found -1"):
+        engine.wait(-1)

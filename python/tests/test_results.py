@@ -38,6 +38,40 @@ def test_arrays_hold_what_the_objects_say(pair, camera):
     assert found.road_found and abs(found.road[0]) < 0.3
 
 
+# What is a field of another name in an array.
+BOX = {"u_px", "v_px", "width_px", "height_px"}
+OTHER_FIELDS = {"box": BOX, "kind": {"is_person"}}
+
+
+def attributes_of(thing):
+    return [name for name in dir(type(thing)) if not name.startswith("_")]
+
+
+def check_rows(array, things):
+    """Every attribute of the objects is a field, and says the same."""
+    assert len(array) == len(things) > 0
+    expected = set().union(*(OTHER_FIELDS.get(name, {name}) for name in attributes_of(things[0])))
+    assert set(array.dtype.names) == expected
+    for name in array.dtype.names:
+        if name == "is_person":
+            values = [thing.kind == "person" for thing in things]
+        else:
+            values = [getattr(thing.box if name in BOX else thing, name) for thing in things]
+        assert np.array_equal(array[name], np.array(values)), name
+
+
+def test_arrays_have_a_field_for_every_attribute(pair, camera):
+    anybody = {"classify": {"threshold_offset": -3, "one_stage_threshold_offset": -3}}
+    tracker = flies.Tracker(camera, anybody, preset="paper")
+    trackings = [tracker.process(*pair, 0.1 * i) for i in range(4)]
+    found = trackings[-1].detection
+    check_rows(found.obstacle_array, found.obstacles)
+    check_rows(found.pedestrian_array, found.pedestrians)
+    check_rows(trackings[-1].track_array, trackings[-1].tracks)
+    assert (found.obstacle_array["range_sd_m"] > 0).all() and (found.pedestrian_array["range_sd_m"] > 0).all()
+    assert {found.obstacle_array.dtype[i] for i in range(len(found.obstacle_array.dtype))} == {np.dtype(np.float64)}
+
+
 def test_scan_is_borrowed_and_outlives_its_detection(pair, camera):
     scan = flies.Detector(camera).process(*pair).scan
     ranges, states = scan.ranges_m, scan.states
@@ -51,6 +85,17 @@ def test_scan_is_borrowed_and_outlives_its_detection(pair, camera):
     assert (states == flies.Scan.OBSTACLE).any() and (states == flies.Scan.FREE).any()
     with pytest.raises(ValueError):
         ranges[0] = 1.0
+
+
+def test_scan_says_what_can_be_written_to(pair, camera):
+    scan = flies.Detector(camera).process(*pair).scan
+    for name in ("ranges_m", "free_m", "confidence"):
+        assert not getattr(scan, name).flags.writeable, name
+    for values in (scan.angles_rad, scan.states, scan.free_space()):
+        before = values.copy()
+        values[...] = 0  # a copy
+        assert values.flags.writeable and before.any()
+    assert scan.angles_rad.any() and scan.states.any() and scan.free_space().any()
 
 
 def test_free_space_starts_at_the_camera(pair, camera):
@@ -86,6 +131,16 @@ def test_engine_gives_the_newest_result(pair, camera):
     tracking = snapshot.tracking
     del snapshot, engine
     assert tracking.tracks and tracking.detection.obstacles
+
+
+def test_nothing_has_an_age_until_a_pair_could_be_used(pair, camera):
+    engine = flies.Engine(camera)
+    assert np.isnan(engine.snapshot().age_s)
+    engine.submit(pair[0], pair[0], 0.0)  # one picture twice
+    refused = engine.wait(0, timeout_s=20.0)
+    assert refused.number == 1 and "identical" in refused.error and np.isnan(refused.age_s)
+    engine.submit(*pair, 0.1)
+    assert 0 < engine.wait(1, timeout_s=20.0).age_s < 20.0
 
 
 def test_options_are_used(pair, camera):

@@ -1,8 +1,10 @@
 """Other threads run while the library works."""
+import signal
 import threading
 import time
 
 import numpy as np
+import pytest
 
 import flies
 
@@ -16,6 +18,24 @@ def test_interpreter_goes_on_while_the_engine_waits(camera):
         pass
     assert waiting.is_alive()  # were the lock held, the loop would have begun after the wait
     waiting.join()
+
+
+def test_ctrl_c_ends_a_wait(camera):
+    engine = flies.Engine(camera)
+    main = threading.get_ident()
+    threading.Timer(0.2, lambda: signal.pthread_kill(main, signal.SIGINT)).start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        engine.wait(0, timeout_s=20.0)
+    assert time.monotonic() - start < 10.0
+
+
+def test_a_wait_takes_its_time(camera):
+    engine = flies.Engine(camera)
+    for timeout_s in (0.0, 0.01, 0.17):
+        start = time.monotonic()
+        assert engine.wait(0, timeout_s=timeout_s).number == 0
+        assert time.monotonic() - start >= timeout_s
 
 
 SLOW = {"evolve.flies": 200000, "evolve.generations": 20}

@@ -138,9 +138,11 @@ INSTANTIATE_TEST_SUITE_P(BadInput, CheckCamera,
                                          BadCamera{"height_px", [](StereoCamera& c) { c.height_px = 1 << 30; }},
                                          BadCamera{"cx_right_px",
                                                    [](StereoCamera& c) {
-                                                     c.width_px = 0;
+                                                     c.width_px = c.height_px = 0;
                                                      c.cx_right_px = 1e9;
                                                    }},
+                                         BadCamera{"image size", [](StereoCamera& c) { c.width_px = 0; }},
+                                         BadCamera{"image size", [](StereoCamera& c) { c.height_px = 0; }},
                                          BadCamera{"pitch_deg",
                                                    [](StereoCamera& c) { c.mount.pitch_rad = radians(60); }},
                                          BadCamera{"roll_deg", [](StereoCamera& c) { c.mount.roll_rad = kNan; }}));

@@ -39,6 +39,10 @@ void check_camera(const StereoCamera& camera, const std::string& source) {
   require_within(camera.fy_px, kLeastFocal_px, kMostFocal_px, "fy_px (focal length)");
   require_within(camera.width_px, 0, kMostSize_px, "width_px (image size)");
   require_within(camera.height_px, 0, kMostSize_px, "height_px (image size)");
+  if ((camera.width_px == 0) != (camera.height_px == 0))
+    throw InputError(source, "image size",
+                     fmt::format("found {} x {} px, expected both or, where it is not known, neither", camera.width_px,
+                                 camera.height_px));
   require_within(camera.cx_px, -kMostSize_px, kMostSize_px, "cx_px (principal point)");
   require_within(camera.cx_right_px, -kMostSize_px, kMostSize_px, "cx_right_px (principal point of the right image)");
   require_within(camera.cy_px, -kMostSize_px, kMostSize_px, "cy_px (principal point)");

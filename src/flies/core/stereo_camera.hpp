@@ -32,8 +32,8 @@ struct StereoCamera {
 };
 
 /// Checks the ranges: focal lengths 0.01 to 1e6 px, of known images 0.1 to 20 widths, fx and fy at most a factor of 5
-/// apart, baseline 0.005 to 10 m, height 1e-3 to 1e4 m, tilts within 45 degrees, sizes 0 to 2^20 px, principal points
-/// within one image size of the image, of unknown images within 2^20 px.
+/// apart, baseline 0.005 to 10 m, height 1e-3 to 1e4 m, tilts within 45 degrees, sizes to 2^20 px or both 0, principal
+/// points within one image size of the image, of unknown images within 2^20 px.
 /// @throws InputError naming `source` and the field, and the likely unit where a length cannot be in the one expected
 void check_camera(const StereoCamera& camera, const std::string& source);
 

@@ -186,6 +186,16 @@ std::optional<int> kitti_camera_of(const std::string& path) {
   return camera;
 }
 
+/// @throws InputError for a size that no image has: a number below 0 or too large, or one without the other
+void check_size(int width_px, int height_px, const std::string& path, const char* field) {
+  constexpr int kMost_px = 1 << 20;  // as of a camera
+  if (width_px == 0 && height_px == 0) return;
+  if (width_px < 1 || width_px > kMost_px || height_px < 1 || height_px > kMost_px)
+    throw InputError(path, field,
+                     fmt::format("{} x {} px was said, expected 1 to {} px each, or 0 x 0: not known", width_px,
+                                 height_px, kMost_px));
+}
+
 }  // namespace
 
 double detail::missing_baseline(const CalibrationRequest& request, const std::string& source, const std::string& key) {
@@ -256,6 +266,8 @@ std::vector<std::string> texts(const CalibrationNotes& notes, std::initializer_l
 }
 
 Calibration load_calibration(const std::string& path, const CalibrationRequest& request) {
+  check_size(request.width_px, request.height_px, path, "image size");
+  check_size(request.calibrated_width_px, request.calibrated_height_px, path, "calibrated size");
   if (request.images_are_resized && request.width_px <= 0)
     throw InputError(path, "image size", "of the resized images is not known: say it (--size)");
   const auto table = read_number_table(path);

@@ -19,14 +19,15 @@ struct CalibrationRequest {
   /// Cameras, left and right, of formats that may have more than two; other formats refuse them.
   std::optional<std::array<int, 2>> cameras;
   std::array<int, 2> default_cameras = {2, 3};  ///< KITTI cameras when none are given; other formats ignore them
-  /// Size of the images: used when the file does not say, and scaled to when it is the file's but for one scale.
+  /// Size of the images, 0 and 0 when not known: used when the file does not say, and scaled to when it is the file's
+  /// but for one scale.
   int width_px = 0;
   int height_px = 0;
   /// The images are as the cameras gave them: matters where a file says both what raw and what rectified images are.
   bool images_are_raw = false;
   /// The images were resized from the calibration's size, as much across and down as the sizes say: cut off nowhere.
   bool images_are_resized = false;
-  int calibrated_width_px = 0;  ///< size that a file without one is for
+  int calibrated_width_px = 0;  ///< size that a file without one is for; 0 and 0: not known
   int calibrated_height_px = 0;
   std::optional<double> baseline_m;  ///< these four overrule the file, whose lengths may be in another unit
   std::optional<double> camera_height_m;

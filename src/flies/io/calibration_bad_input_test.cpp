@@ -1,6 +1,8 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 
 #include "flies/io/calibration.hpp"
@@ -134,6 +136,19 @@ TEST(LoadCalibration, NamesTheRosFileLookedFor) {
   const TemporaryFolder folder;
   const auto path = folder.write("left.yaml", "projection_matrix: [400, 0, 320, 0, 0, 400, 240, 0, 0, 0, 1, 0]\n");
   EXPECT_THAT(error_of([&] { load_calibration(path); }), HasSubstr("right.yaml"));
+}
+
+TEST(LoadCalibration, RejectsSizesThatNoImageHas) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("c", kP2 + kP3 + kRect);
+  for (const auto [width_px, height_px] : {std::array{-5, 3}, {640, 0}, {0, 480}, {2'000'000'000, 480}}) {
+    CalibrationRequest of_images, of_file;
+    of_images.width_px = of_file.calibrated_width_px = width_px;
+    of_images.height_px = of_file.calibrated_height_px = height_px;
+    const auto found = fmt::format("{} x {} px was said", width_px, height_px);
+    EXPECT_THAT(error_of([&] { load_calibration(path, of_images); }), HasSubstr("image size: " + found));
+    EXPECT_THAT(error_of([&] { load_calibration(path, of_file); }), HasSubstr("calibrated size: " + found));
+  }
 }
 
 TEST(LoadCalibration, RejectsImagesOfAnotherSize) {

@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "flies/core/gray_view.hpp"
@@ -17,10 +19,14 @@ struct Snapshot {
   std::uint64_t submitted = 0, dropped = 0;  ///< pairs so far; dropped ones were overtaken by a newer pair
   double latency_ms = 0.0;                   ///< from `submit` of this pair to its result
   std::string error;  ///< why the newest pair could not be used; the rest is of the pair before it
-  std::chrono::steady_clock::time_point arrived;  ///< when this pair was submitted
+  std::optional<std::chrono::steady_clock::time_point> arrived;  ///< when the pair of `tracking` was; none yet: nothing
 
-  /// Time since this pair was submitted, seconds.
-  double age_s() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - arrived).count(); }
+  /// Time since the pair of `tracking` was submitted, seconds; NaN while there is none, because none came or none could
+  /// be used.
+  double age_s() const {
+    if (!arrived) return std::numeric_limits<double>::quiet_NaN();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - *arrived).count();
+  }
 };
 
 /// A tracker with a thread of its own, for a living camera: pairs go in whenever they come, and whoever needs the

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
@@ -68,7 +69,19 @@ TEST(Engine, KnowsNothingBeforeItsFirstPair) {
   ASSERT_NE(snapshot, nullptr);
   EXPECT_EQ(snapshot->number, 0U);
   EXPECT_TRUE(snapshot->tracking.tracks.empty());
+  EXPECT_TRUE(std::isnan(snapshot->age_s()));
   EXPECT_EQ(engine.wait(0, 1ms)->number, 0U);
+}
+
+TEST(Engine, NothingHasAnAgeUntilAPairCouldBeUsed) {
+  Engine engine(camera(), few_flies(), {}, nullptr);
+  const Wall wall(10);
+  engine.submit({wall.pair().left, wall.pair().left}, 0.0);
+  const auto refused = engine.wait(0, kLong);
+  EXPECT_FALSE(refused->error.empty());
+  EXPECT_TRUE(std::isnan(refused->age_s()));
+  engine.submit(wall.pair(), 0.1);
+  EXPECT_GT(engine.wait(1, kLong)->age_s(), 0.0);
 }
 
 TEST(Engine, GivesWhatATrackerGives) {
