@@ -135,7 +135,7 @@ TEST(Bags, OptionsOfCalibrationFilesAreRefusedWithoutOne) {
   const TestFolder folder;
   write_bag(folder.path() / "drive.bag");
   const std::vector<std::vector<std::string>> options = {
-      {"--right-calib", "right.yaml"}, {"--calib-size", "320,240"}, {"--raw"}, {"--resized"}, {"--cameras", "2,3"}};
+      {"--right-calib", "right.yaml"}, {"--calib-size", "320,240"}, {"--cameras", "2,3"}};
   for (const auto& option : options) {
     const RunResult result = track(folder, option);
     EXPECT_EQ(result.status, 2) << option[0];

@@ -91,9 +91,15 @@ void read_recording(const std::string& file) {
     }
   }
   if (cameras.size() < 2) return;
-  for (const bool is_rectified : {false, true}) {
+  std::vector<flies::CalibrationRequest> requests(4);
+  requests[1].images_are_raw = true;
+  requests[2].width_px = kCamera.width_px;
+  requests[2].height_px = kCamera.height_px;
+  requests[3].images_are_raw = true;
+  requests[3].baseline_m = kCamera.baseline_m;
+  for (const auto& request : requests) {
     try {
-      flies::ros_calibration(cameras[0], cameras[1], is_rectified, file);
+      flies::ros_calibration(cameras[0], cameras[1], request, file);
     } catch (const flies::InputError&) {
     }
   }

@@ -58,12 +58,13 @@ std::uint64_t picture_time_ns(const flies::RecordedMessage& message, const std::
   return stamp_ns == 0 ? message.time_ns : stamp_ns;
 }
 
+/// @param is_our_own its pictures are rectified, of the calibration's size
 /// @throws InputError naming an option that says how a calibration file is to be read
-void refuse_options_of_files(const CameraArguments& arguments, const std::string& path) {
+void refuse_options_of_files(const CameraArguments& arguments, bool is_our_own, const std::string& path) {
   const std::array<std::pair<const char*, bool>, 5> options = {{{"--right-calib", !arguments.right_calib.empty()},
                                                                 {"--calib-size", !arguments.calibrated_size_px.empty()},
-                                                                {"--raw", arguments.is_raw},
-                                                                {"--resized", arguments.is_resized},
+                                                                {"--raw", is_our_own && arguments.is_raw},
+                                                                {"--resized", is_our_own && arguments.is_resized},
                                                                 {"--cameras", !arguments.cameras.empty()}}};
   for (const auto& [option, is_given] : options)
     if (is_given)
@@ -280,36 +281,25 @@ const flies::RosCameraInfo& Recording::camera_info(const std::string& topic) con
                                       names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-flies::Calibration Recording::recorded_calibration() const {
-  if (left_ == topic_of(Channel::left) && (has_left_ || has_right_ || has_own_pictures_)) {
-    if (!has_left_ || !has_right_) {
-      const std::string topic(topic_of(has_left_ ? Channel::right_calibration : Channel::left_calibration));
-      throw_fault_of(topic);
-      throw flies::InputError(path_, topic, "is missing");
-    }
-    flies::check_camera(camera_, path_);
-    flies::Calibration calibration;
-    calibration.camera = camera_;
-    calibration.format = "recording";
-    calibration.has_height = calibration.has_pitch = has_mount_;
-    if (!has_mount_)
-      calibration.notes.push_back(
-          {"does not say where the camera sits; the default mount is assumed", flies::CalibrationNoteKind::mount});
-    return calibration;
-  }
-  const auto& left = camera_info(camera_info_topic(left_));
-  const auto& right = camera_info(camera_info_topic(right_));
-  const bool is_rectified =
-      is_called_rectified(left_) || (flies::is_rectified_by_nature(left) && flies::is_rectified_by_nature(right));
-  flies::Calibration calibration = flies::ros_calibration(left, right, is_rectified, path_);
-  calibration.left_name = left_;
-  calibration.right_name = right_;
-  return calibration;
+/// Whether `flies live` wrote it.
+bool Recording::is_our_own() const {
+  return left_ == topic_of(Channel::left) && (has_left_ || has_right_ || has_own_pictures_);
 }
 
-flies::Calibration Recording::calibration(const CameraArguments& arguments) const {
-  refuse_options_of_files(arguments, path_);
-  flies::Calibration calibration = recorded_calibration();
+flies::Calibration Recording::own_calibration(const CameraArguments& arguments) const {
+  if (!has_left_ || !has_right_) {
+    const std::string topic(topic_of(has_left_ ? Channel::right_calibration : Channel::left_calibration));
+    throw_fault_of(topic);
+    throw flies::InputError(path_, topic, "is missing");
+  }
+  flies::check_camera(camera_, path_);
+  flies::Calibration calibration;
+  calibration.camera = camera_;
+  calibration.format = "recording";
+  calibration.has_height = calibration.has_pitch = has_mount_;
+  if (!has_mount_)
+    calibration.notes.push_back(
+        {"does not say where the camera sits; the default mount is assumed", flies::CalibrationNoteKind::mount});
   if (arguments.baseline_m) flies::detail::override_baseline(*arguments.baseline_m, path_, calibration);
   auto& mount = calibration.camera.mount;
   if (arguments.height_m) mount.height_m = *arguments.height_m;
@@ -318,5 +308,19 @@ flies::Calibration Recording::calibration(const CameraArguments& arguments) cons
   calibration.has_height |= arguments.height_m.has_value();
   calibration.has_pitch |= arguments.pitch_deg.has_value();
   flies::check_camera(calibration.camera, path_);
+  return calibration;
+}
+
+flies::Calibration Recording::calibration(const CameraArguments& arguments, const flies::RectifiedPair& images) const {
+  refuse_options_of_files(arguments, is_our_own(), path_);
+  if (is_our_own()) return own_calibration(arguments);
+  const auto& left = camera_info(camera_info_topic(left_));
+  const auto& right = camera_info(camera_info_topic(right_));
+  flies::CalibrationRequest request = calibration_request(arguments, left_, right_, images);
+  request.images_are_raw |=
+      !is_called_rectified(left_) && !(flies::is_rectified_by_nature(left) && flies::is_rectified_by_nature(right));
+  flies::Calibration calibration = flies::ros_calibration(left, right, request, path_);
+  calibration.left_name = left_;
+  calibration.right_name = right_;
   return calibration;
 }

@@ -33,8 +33,9 @@ class Recording {
   flies::GrayPair pair(std::size_t pair) const;
 
   /// The camera as it was recorded, baseline and mount overruled by what the user says.
+  /// @param images a pair of it, whose size may be another than the calibration's
   /// @throws InputError naming the topic that is missing or cannot be read, or the option that is of calibration files
-  flies::Calibration calibration(const CameraArguments& arguments) const;
+  flies::Calibration calibration(const CameraArguments& arguments, const flies::RectifiedPair& images) const;
 
   const std::vector<std::string>& notes() const { return notes_; }
 
@@ -63,7 +64,8 @@ class Recording {
   std::string picture_topics() const;
   const flies::RosCameraInfo& camera_info(const std::string& topic) const;
   flies::GrayImage picture(const flies::MessagePlace& place, const std::string& name) const;
-  flies::Calibration recorded_calibration() const;
+  bool is_our_own() const;
+  flies::Calibration own_calibration(const CameraArguments& arguments) const;
 
   std::string path_;
   std::unique_ptr<flies::RecordingReader> reader_;

@@ -176,16 +176,25 @@ RosCameraInfo ros_camera_info(const RecordedMessage& message, const std::string&
   RosFields fields(message, name);
   fields.header();
   RosCameraInfo info;
-  const auto height = fields.number<std::uint32_t>(), width = fields.number<std::uint32_t>();
-  if (height > kMaxSide_px || width > kMaxSide_px)
-    throw InputError(name, "size", fmt::format("found {} x {} px, which no camera has", width, height));
-  info.width_px = static_cast<int>(width);
-  info.height_px = static_cast<int>(height);
+  info.topic = message.topic;
+  const auto pixels = [&](const char* field) {
+    const auto count = fields.number<std::uint32_t>();
+    if (count > kMaxSide_px) throw InputError(name, field, fmt::format("found {} px, which no camera has", count));
+    return static_cast<int>(count);
+  };
+  info.height_px = pixels("height");
+  info.width_px = pixels("width");
   info.distortion_model = fields.text();
   info.distortion = fields.number_list();
   fields.fill(info.intrinsics);
   fields.fill(info.rectification);
   fields.fill(info.projection);
+  info.binning_x = pixels("binning_x");
+  info.binning_y = pixels("binning_y");
+  info.window.x_px = pixels("roi.x_offset");
+  info.window.y_px = pixels("roi.y_offset");
+  info.window.height_px = pixels("roi.height");
+  info.window.width_px = pixels("roi.width");
   return info;
 }
 

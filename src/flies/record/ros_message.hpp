@@ -31,14 +31,20 @@ GrayImage ros_picture(const RecordedMessage& message, const std::string& name);
 /// @throws InputError naming it
 GrayImage gray_picture(std::string_view bytes, const std::string& name);
 
-/// sensor_msgs/CameraInfo.
+/// sensor_msgs/CameraInfo. All numbers are of the pixels of whole images.
 struct RosCameraInfo {
+  std::string topic;  ///< where it came
   int width_px = 0, height_px = 0;
   std::string distortion_model;           ///< plumb_bob, rational_polynomial, equidistant; empty: none
   std::vector<double> distortion;         ///< D
   std::array<double, 9> intrinsics{};     ///< K, row by row
   std::array<double, 9> rectification{};  ///< R: rectified_from_camera, row by row
   std::array<double, 12> projection{};    ///< P, row by row
+  int binning_x = 0, binning_y = 0;       ///< pixels of whole images that became one; 0: 1
+  /// The part of the images that was given; 0 x 0: all.
+  struct Window {
+    int x_px = 0, y_px = 0, width_px = 0, height_px = 0;
+  } window;
 };
 
 /// @throws InputError naming the message when it ends too early
