@@ -108,6 +108,103 @@ TEST(Bags, TopicsMayBeNamed) {
   EXPECT_THAT(wrong.err, AllOf(HasSubstr("no pictures in '/rig/right/c'"), HasSubstr("/rig/right/b (3)")));
 }
 
+/// One picture of each of these topics at one time.
+void write_topics(const std::filesystem::path& path, const std::vector<std::string>& topics) {
+  std::string records;
+  for (std::uint32_t i = 0; i < topics.size(); ++i) {
+    const auto& [left, right] = street_pair();
+    const bool is_left = topics[i].find("eft") != std::string::npos || topics[i].find("EFT") != std::string::npos;
+    const auto& picture = is_left ? left : right;
+    records += BagBytes::connection(i, topics[i], "sensor_msgs/Image");
+    records += BagBytes::message(
+        {i, kStart_ns,
+         ros_image(false, kStart_ns, picture.cols, picture.rows, "mono8", picture.cols, pixels_of(picture))});
+  }
+  std::ofstream(path, std::ios::binary) << BagBytes::start() << BagBytes::chunk("none", records, records.size());
+}
+
+TEST(Bags, TheWordForTheSideTellsTheTopics) {
+  const TestFolder folder;
+  write_text(folder.path() / "calib.txt", kitti_calibration());
+  const auto left_of = [&](const std::vector<std::string>& topics) -> std::string {
+    write_topics(folder.path() / "drive.bag", topics);
+    const RunResult result = track(folder, {"--calib", "calib.txt"});
+    return result.status == 0 ? json::parse(lines(result.out).back()).at("left") : json(result.err);
+  };
+  EXPECT_EQ(left_of({"/Left/image", "/Right/image"}), "drive.bag /Left/image 0");
+  EXPECT_EQ(left_of({"/LEFT/image", "/RIGHT/image"}), "drive.bag /LEFT/image 0");
+  EXPECT_EQ(left_of({"/rightarm/left/image", "/rightarm/right/image"}), "drive.bag /rightarm/left/image 0");
+  EXPECT_EQ(left_of({"/right/left/image", "/right/right/image"}), "drive.bag /right/left/image 0");
+  EXPECT_EQ(left_of({"/left/left_image", "/right/right_image"}), "drive.bag /left/left_image 0");
+  EXPECT_EQ(left_of({"/leftcam/image", "/rightcam/image"}), "drive.bag /leftcam/image 0");
+  EXPECT_EQ(left_of({"/left/image_rect", "/right/image_rect", "/left/image_rect_color", "/right/image_rect_color"}),
+            "drive.bag /left/image_rect 0");
+  EXPECT_EQ(left_of({"/left/image_raw", "/right/image_raw", "/left/image_color", "/right/image_color"}),
+            "drive.bag /left/image_color 0");
+  EXPECT_EQ(left_of({"/left/image_rect_color", "/right/image_rect_color", "/left_raw/image", "/right_raw/image"}),
+            "drive.bag /left/image_rect_color 0");
+  EXPECT_THAT(left_of({"/front/left/image", "/front/right/image", "/rear/left/image", "/rear/right/image"}),
+              HasSubstr("cannot tell the left pictures from the right ones"));
+}
+
+TEST(Bags, PicturesOfOneSideAloneOfAFileThatWasCutOff) {
+  const TestFolder folder;
+  write_topics(folder.path() / "drive.bag", {"/left"});
+  RunResult result = track(folder, {});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(
+      result.err,
+      "flies: drive.bag: holds no pair, for that takes pictures of two topics; topics with pictures: /left (1)\n");
+  std::ofstream(folder.path() / "drive.bag", std::ios::binary | std::ios::app) << "cut";
+  result = track(folder, {});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("drive.bag: is cut off or damaged, and what is whole of it holds no pair"));
+  result = track(folder, {"--topics", "/left,/right"});
+  EXPECT_THAT(result.err, HasSubstr("drive.bag: is cut off or damaged, and what is whole of it holds no pictures in "
+                                    "'/right'"));
+}
+
+TEST(Bags, PicturesOfEitherSideWithoutPartnersAreCounted) {
+  const TestFolder folder;
+  std::string alone;
+  for (int i = 1; i < 4; ++i) {
+    const auto& right = street_pair().right;
+    const std::uint64_t time_ns = kStart_ns - static_cast<std::uint64_t>(i) * 100'000'000U;
+    alone += BagBytes::message(
+        {1, time_ns, ros_image(false, time_ns, right.cols, right.rows, "mono8", right.cols, pixels_of(right))});
+  }
+  write_bag(folder.path() / "drive.bag", {.before = alone});
+  EXPECT_THAT(track(folder, {}).err, HasSubstr("3 pictures of /rig/right/image_raw have no partner"));
+}
+
+TEST(Recordings, FoldersAndOtherKindsAreToldWhatToGive) {
+  const TestFolder folder;
+  const auto run = [&](const std::string& source) {
+    return run_flies(folder.path(), {"track", source, "--camera-height", "1.65", "--json", "-"});
+  };
+  const auto drive = folder.path() / "drive";
+  std::filesystem::create_directory(drive);
+  write_text(drive / "metadata.yaml", "rosbag2_bagfile_information:\n");
+  EXPECT_THAT(run("drive").err, HasSubstr("drive: is no KITTI raw drive"));
+  write_text(drive / "drive_0.db3", "SQLite format 3");
+  for (const char* source : {"drive", "drive/metadata.yaml", "drive/drive_0.db3"}) {
+    const RunResult result = run(source);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(result.err, HasSubstr("drive_0.db3: is a recording in SQLite, which is not read: convert it to MCAP"));
+  }
+  write_bag(drive / "a.bag");
+  for (const char* source : {"drive", "drive/metadata.yaml"}) {
+    const RunResult result = run(source);
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(lines(result.out).size(), static_cast<std::size_t>(kPairs));
+  }
+  write_bag(drive / "b.bag");
+  EXPECT_THAT(run("drive").err, HasSubstr("drive: holds 2 recordings, expected one: give one of drive/a.bag, "
+                                          "drive/b.bag"));
+  write_text(folder.path() / "drive.mcap.zstd", "(");
+  EXPECT_THAT(run("drive.mcap.zstd").err, HasSubstr("drive.mcap.zstd: is compressed as a whole: unpack it first"));
+}
+
 TEST(Bags, NoPictureIsInTwoPairs) {
   const TestFolder folder;
   write_bag(folder.path() / "drive.bag", {.has_left_twice = true});
@@ -181,14 +278,14 @@ TEST(Bags, FaultyMessagesArePassedOver) {
   EXPECT_THAT(needed.err, HasSubstr("drive.bag /rig/left/camera_info: the message ends too early"));
 }
 
-TEST(Bags, WhyReadingEndedIsTold) {
+TEST(Bags, WhatIsPassedOverIsTold) {
   const TestFolder folder;
   write_bag(folder.path() / "drive.bag", {.after = BagBytes::chunk("zip", "x", 1)});
   const RunResult result = track(folder, {});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(lines(result.out).size(), static_cast<std::size_t>(kPairs));
   EXPECT_THAT(result.err, HasSubstr("drive.bag: chunks are compressed with 'zip', expected none, zstd, lz4 or bz2; "
-                                    "reading ended after 3 pairs"));
+                                    "1 such parts of the file are left out"));
 }
 
 TEST(Bags, WhatIsMissingIsNamed) {
@@ -227,12 +324,20 @@ std::string calibration_message(bool is_right) {
 }
 
 /// A recording like ours, without chunks: a message for each topic.
-void write_mcap(const std::filesystem::path& path, const std::vector<std::pair<std::string, std::string>>& messages) {
+/// @param schema_name of all messages; empty: none
+void write_mcap(const std::filesystem::path& path, const std::vector<std::pair<std::string, std::string>>& messages,
+                const std::string& schema_name = {}) {
   std::string bytes(mcap::kMagic);
+  if (!schema_name.empty()) {
+    std::string schema;
+    put_number(schema, 1, 2);
+    mcap::put_text(schema, schema_name);
+    mcap::put_record(bytes, mcap::Opcode::schema, schema);
+  }
   for (std::size_t i = 0; i < messages.size(); ++i) {
     std::string channel, message;
     put_number(channel, i, 2);
-    put_number(channel, 0, 2);
+    put_number(channel, schema_name.empty() ? 0U : 1U, 2);
     mcap::put_text(channel, messages[i].first);
     mcap::put_text(channel, "json");
     put_number(channel, 0, 4);
@@ -260,6 +365,11 @@ TEST(OwnRecordings, FaultsOfTheirCalibrationAreNamed) {
   const RunResult good = run(calibration_message(false));
   EXPECT_EQ(good.status, 0) << good.err;
   EXPECT_EQ(lines(good.out).size(), 1U);
+  write_mcap(folder.path() / "street.mcap", {{"/left", "x"}, {"/right", "x"}}, "foxglove.RawImage");
+  const RunResult unread = run_flies(folder.path(), {"track", "street.mcap"});
+  EXPECT_EQ(unread.status, 2);
+  EXPECT_THAT(unread.err, HasSubstr("street.mcap: holds no pictures that are read; there are some of kinds that are "
+                                    "not read: /left (foxglove.RawImage in json): 1, /right"));
   const RunResult short_one = run(R"({"P": [1, 2, 3]})");
   EXPECT_EQ(short_one.status, 2);
   EXPECT_EQ(short_one.err, "flies: street.mcap: /left/calibration P: found 3 numbers, expected 12\n");
