@@ -33,6 +33,7 @@ struct Topics {
   std::string left = "/rig/left/image_raw", right = "/rig/right/image_raw";
   bool has_camera_info = true;
   std::string encoding = "mono8";
+  double level_factor = 1.0;                             ///< of the grey levels of mono16
   bool has_left_twice = false;                           ///< the left camera gives another picture 3 ms after each
   std::optional<std::uint64_t> stamp_ns = std::nullopt;  ///< of all pictures; nothing: their own times
   double baseline_factor = 1.0;                          ///< of the baseline that the camera_info has
@@ -41,12 +42,16 @@ struct Topics {
   std::string after = {};   ///< and after the chunk that holds them
 };
 
-std::string pixels_of(const cv::Mat& image) { return {reinterpret_cast<const char*>(image.data), image.total()}; }
+std::string pixels_of(const cv::Mat& image) {
+  return {reinterpret_cast<const char*>(image.data), image.total() * image.elemSize()};
+}
 
 /// A camera that stands before a street; the right pictures come 1 ms after the left ones.
 void write_bag(const std::filesystem::path& path, const Topics& topics = {}) {
   const StereoCamera camera = street_camera();
-  const auto& [left, right] = street_pair();
+  auto [left, right] = street_pair();
+  if (topics.encoding == "mono16")
+    for (cv::Mat* picture : {&left, &right}) picture->convertTo(*picture, CV_16U, topics.level_factor);
   std::string records;
   const std::vector<std::string> names = {topics.left, topics.right, "/rig/left/camera_info", "/rig/right/camera_info"};
   for (std::uint32_t i = 0; i < 4; ++i)
@@ -55,8 +60,9 @@ void write_bag(const std::filesystem::path& path, const Topics& topics = {}) {
   for (int i = 0; i < kPairs; ++i) {
     const std::uint64_t time_ns = kStart_ns + static_cast<std::uint64_t>(i) * 100'000'000U;
     const auto image = [&](std::uint32_t connection, const cv::Mat& picture, std::uint64_t picture_ns) {
-      const auto data = ros_image(false, topics.stamp_ns.value_or(picture_ns), picture.cols, picture.rows,
-                                  topics.encoding, picture.cols, pixels_of(picture));
+      const auto data =
+          ros_image(false, topics.stamp_ns.value_or(picture_ns), picture.cols, picture.rows, topics.encoding,
+                    picture.cols * static_cast<int>(picture.elemSize()), pixels_of(picture));
       records += BagBytes::message({connection, picture_ns, data});
     };
     image(0, left, time_ns);
@@ -92,6 +98,23 @@ TEST(Bags, PairsAndCalibrationOfOthersAreFollowed) {
   ASSERT_FALSE(last.at("obstacles").empty());
   EXPECT_NEAR(last["obstacles"][0]["x_m"].get<double>(), kBoxX_m, 1.0);
   EXPECT_NEAR(last["obstacles"][0]["y_m"].get<double>(), kBoxY_m, 1.0);
+}
+
+/// 16 bits hold anything from 8 significant ones up, in recordings as in files.
+TEST(Bags, PicturesOf16BitsAreReadByTheBitsThatTheyUse) {
+  const TestFolder folder;
+  write_bag(folder.path() / "drive.bag");
+  const auto obstacles = [&] {
+    const RunResult result = track(folder, {"--seed", "1"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    return json::parse(lines(result.out).back()).at("obstacles");
+  };
+  const json of_8_bits = obstacles();
+  ASSERT_FALSE(of_8_bits.empty());
+  for (const double factor : {1.0, 4.0, 16.0, 256.0}) {
+    write_bag(folder.path() / "drive.bag", {.encoding = "mono16", .level_factor = factor});
+    EXPECT_EQ(obstacles(), of_8_bits) << factor;
+  }
 }
 
 TEST(Bags, TopicsMayBeNamed) {

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <utility>
 
 #include "channels/channels.hpp"
 #include "channels/recorded_topics.hpp"
 #include "flies/core/base64.hpp"
 #include "flies/core/error.hpp"
+#include "flies/io/gray_levels.hpp"
 #include "flies/record/ros_calibration.hpp"
 
 namespace {
@@ -220,7 +222,7 @@ std::string Recording::name(std::size_t pair, bool is_right) const {
   return fmt::format("{} {} {}", path_, is_right ? right_ : left_, pair);
 }
 
-flies::GrayImage Recording::picture(const flies::MessagePlace& place, const std::string& name) const {
+cv::Mat Recording::picture(const flies::MessagePlace& place, const std::string& name) const {
   const auto message = reader_->at(place);
   if (flies::ros_type(message) != flies::RosType::other) return flies::ros_picture(message, name);
   const Json json = Json::parse(message.data, nullptr, false);
@@ -228,13 +230,13 @@ flies::GrayImage Recording::picture(const flies::MessagePlace& place, const std:
                          ? flies::from_base64(json["data"].get<std::string>())
                          : std::nullopt;
   if (!bytes) throw flies::InputError(name, "", "is no picture");
-  return flies::gray_picture(*bytes, name);
+  return flies::picture_of_file(*bytes, name);
 }
 
 flies::GrayPair Recording::pair(std::size_t pair) const {
-  flies::GrayPair images;
-  images.left = picture(pairs_[pair].left, name(pair, false));
-  images.right = picture(pairs_[pair].right, name(pair, true));
+  const cv::Mat left = picture(pairs_[pair].left, name(pair, false));  // whose faults are told first
+  const cv::Mat right = picture(pairs_[pair].right, name(pair, true));
+  flies::GrayPair images = flies::pair_of_levels(left, right);
   flies::check_pair(images.view(), name(pair, false), name(pair, true));
   return images;
 }

@@ -66,7 +66,7 @@ class Recording {
   std::string picture_topics() const;
   std::string unread_topics() const;
   const flies::RosCameraInfo& camera_info(const std::string& topic) const;
-  flies::GrayImage picture(const flies::MessagePlace& place, const std::string& name) const;
+  cv::Mat picture(const flies::MessagePlace& place, const std::string& name) const;
   bool is_our_own() const;
 
   std::string path_;

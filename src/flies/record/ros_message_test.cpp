@@ -3,12 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <opencv2/core.hpp>
+
 #include "flies/core/error.hpp"
+#include "flies/io/image_codecs.hpp"
 #include "flies/record/ros_bytes.hpp"
 
 namespace flies {
 namespace {
 
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -20,6 +24,12 @@ RecordedMessage message_of(bool is_cdr, const std::string& type, std::string dat
           .time_ns = 0,
           .data = std::move(data),
           .place = {}};
+}
+
+std::vector<int> levels_of(const cv::Mat& picture) {
+  cv::Mat levels;
+  picture.convertTo(levels, CV_32S);
+  return {levels.begin<int>(), levels.end<int>()};
 }
 
 TEST(RosMessages, KnowsTypesOfBothVersions) {
@@ -42,23 +52,41 @@ TEST_P(RosMessage, PicturesBecomeGrey) {
   const std::string rows("\x0A\x14\x1E\xFF\x28\x32\x3C\xFF", 8);  // a byte between the rows
   const auto message = message_of(is_cdr, "Image", testing::ros_image(is_cdr, 5'000'000'007U, 3, 2, "mono8", 4, rows));
   EXPECT_EQ(ros_stamp_ns(message, "m"), 5'000'000'007U);
-  const GrayImage gray = ros_picture(message, "m");
-  EXPECT_EQ(gray.width_px, 3);
-  EXPECT_THAT(gray.pixels, ElementsAre(10, 20, 30, 40, 50, 60));
+  const cv::Mat gray = ros_picture(message, "m");
+  EXPECT_EQ(gray.cols, 3);
+  EXPECT_THAT(levels_of(gray), ElementsAre(10, 20, 30, 40, 50, 60));
 
   const std::string red("\xFF\0\0", 3);
   const auto color = [&](const char* encoding) {
-    return ros_picture(message_of(is_cdr, "Image", testing::ros_image(is_cdr, 1, 1, 1, encoding, 3, red)), "m").pixels;
+    return levels_of(
+        ros_picture(message_of(is_cdr, "Image", testing::ros_image(is_cdr, 1, 1, 1, encoding, 3, red)), "m"));
   };
   EXPECT_THAT(color("rgb8"), ElementsAre(76));  // ITU-R BT.601
   EXPECT_THAT(color("bgr8"), ElementsAre(29));
 
-  const auto deep = [&](bool is_big_endian, const std::string& bytes) {
-    const auto data = testing::ros_image(is_cdr, 1, 1, 1, "mono16", 2, bytes, is_big_endian);
-    return ros_picture(message_of(is_cdr, "Image", data), "m").pixels;
+  const std::string yuv("\x0A\x80\x14\x80", 4);
+  for (const char* encoding : {"yuv422_yuy2", "yuyv"}) {
+    const auto pair = message_of(is_cdr, "Image", testing::ros_image(is_cdr, 1, 2, 1, encoding, 4, yuv));
+    EXPECT_THAT(levels_of(ros_picture(pair, "m")), ElementsAre(10, 20)) << encoding;
+  }
+}
+
+TEST_P(RosMessage, PicturesOf16BitsKeepThem) {
+  const bool is_cdr = GetParam();
+  const auto deep = [&](const char* encoding, bool is_big_endian, const std::string& bytes) {
+    const auto data =
+        testing::ros_image(is_cdr, 1, 1, 1, encoding, static_cast<int>(bytes.size()), bytes, is_big_endian);
+    return levels_of(ros_picture(message_of(is_cdr, "Image", data), "m"));
   };
-  EXPECT_THAT(deep(false, std::string("\x00\x40", 2)), ElementsAre(64));
-  EXPECT_THAT(deep(true, std::string("\x40\x00", 2)), ElementsAre(64));
+  EXPECT_THAT(deep("mono16", false, std::string("\x34\x12", 2)), ElementsAre(0x1234));
+  EXPECT_THAT(deep("mono16", true, std::string("\x12\x34", 2)), ElementsAre(0x1234));
+  EXPECT_THAT(deep("rgb16", false, std::string("\0\x10\0\0\0\0", 6)), ElementsAre(1225));  // of red 4096
+  EXPECT_THAT(deep("bgr16", true, std::string("\0\0\0\0\x10\0", 6)), ElementsAre(1225));
+
+  const auto png = encode_png(cv::Mat(3, 4, CV_16UC1, cv::Scalar(0x0123)));
+  const std::string file(png.begin(), png.end());
+  const auto text = testing::RosBytes(is_cdr).header(1, 2).text("mono16; png compressed ").list(file).bytes();
+  EXPECT_THAT(levels_of(ros_picture(message_of(is_cdr, "CompressedImage", text), "m")), Each(0x0123));
 }
 
 TEST_P(RosMessage, WhatCannotBeReadIsNamed) {
