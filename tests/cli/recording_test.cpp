@@ -319,6 +319,8 @@ TEST(Bags, WhatIsMissingIsNamed) {
   EXPECT_THAT(result.err, AllOf(HasSubstr("drive.bag: /rig/left/camera_info: is missing"), HasSubstr("--calib")));
   write_text(folder.path() / "calib.txt", kitti_calibration());
   EXPECT_EQ(track(folder, {"--calib", "calib.txt"}).status, 0);
+  write_bag(folder.path() / "drive.bag", {.has_camera_info = false, .after = "cut"});
+  EXPECT_THAT(track(folder, {}).err, HasSubstr("/rig/left/camera_info: is missing from what is whole of the file"));
 
   write_bag(folder.path() / "drive.bag", {.encoding = "bayer_rggb8"});
   const RunResult bayer = track(folder, {});

@@ -85,7 +85,7 @@ void Recording::read_all() {
   if (!pictures_.empty()) return;
   if (damaged_) throw flies::InputError(damaged_->first);
   if (!faults_.empty()) throw flies::InputError(faults_.begin()->second.first);
-  complain("holds no pictures that are read" + unread_topics());
+  complain(unread_.empty() ? "holds no pictures" : "holds no pictures that are read" + unread_topics());
 }
 
 /// The next message behind what is damaged.
@@ -100,10 +100,11 @@ std::optional<flies::RecordedMessage> Recording::next() {
   }
 }
 
+bool Recording::is_whole() const { return reader_->is_whole() && !damaged_; }
+
 /// @throws InputError saying first that the file is not whole, if so
 void Recording::complain(const std::string& what) const {
-  const bool is_whole = reader_->is_whole() && !damaged_;
-  throw flies::InputError(path_, "", is_whole ? what : "is cut off or damaged, and what is whole of it " + what);
+  throw flies::InputError(path_, "", is_whole() ? what : "is cut off or damaged, and what is whole of it " + what);
 }
 
 void Recording::read_or_pass_over(const flies::RecordedMessage& message) {
@@ -248,8 +249,9 @@ const flies::RosCameraInfo& Recording::camera_info(const std::string& topic) con
   std::vector<std::string> names;
   for (const auto& [name, info] : camera_infos_) names.push_back(name);
   throw flies::InputError(path_, topic,
-                          fmt::format("is missing, so the calibration is not known; give it by --calib; topics with a "
-                                      "camera_info: {}",
+                          fmt::format("is missing{}, so the calibration is not known; give it by --calib; topics with "
+                                      "a camera_info: {}",
+                                      is_whole() ? "" : " from what is whole of the file, which is cut off or damaged",
                                       names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 

@@ -55,6 +55,7 @@ class Recording {
 
   void read_all();
   std::optional<flies::RecordedMessage> next();
+  bool is_whole() const;
   [[noreturn]] void complain(const std::string& what) const;
   void read_or_pass_over(const flies::RecordedMessage& message);
   void read(const flies::RecordedMessage& message);
