@@ -33,6 +33,7 @@ struct Topics {
   std::string left = "/rig/left/image_raw", right = "/rig/right/image_raw";
   bool has_camera_info = true;
   std::string encoding = "mono8";
+  double level_factor = 1.0;                             ///< of the grey levels of mono16
   bool has_left_twice = false;                           ///< the left camera gives another picture 3 ms after each
   std::optional<std::uint64_t> stamp_ns = std::nullopt;  ///< of all pictures; nothing: their own times
   double baseline_factor = 1.0;                          ///< of the baseline that the camera_info has
@@ -41,12 +42,16 @@ struct Topics {
   std::string after = {};   ///< and after the chunk that holds them
 };
 
-std::string pixels_of(const cv::Mat& image) { return {reinterpret_cast<const char*>(image.data), image.total()}; }
+std::string pixels_of(const cv::Mat& image) {
+  return {reinterpret_cast<const char*>(image.data), image.total() * image.elemSize()};
+}
 
 /// A camera that stands before a street; the right pictures come 1 ms after the left ones.
 void write_bag(const std::filesystem::path& path, const Topics& topics = {}) {
   const StereoCamera camera = street_camera();
-  const auto& [left, right] = street_pair();
+  auto [left, right] = street_pair();
+  if (topics.encoding == "mono16")
+    for (cv::Mat* picture : {&left, &right}) picture->convertTo(*picture, CV_16U, topics.level_factor);
   std::string records;
   const std::vector<std::string> names = {topics.left, topics.right, "/rig/left/camera_info", "/rig/right/camera_info"};
   for (std::uint32_t i = 0; i < 4; ++i)
@@ -55,8 +60,9 @@ void write_bag(const std::filesystem::path& path, const Topics& topics = {}) {
   for (int i = 0; i < kPairs; ++i) {
     const std::uint64_t time_ns = kStart_ns + static_cast<std::uint64_t>(i) * 100'000'000U;
     const auto image = [&](std::uint32_t connection, const cv::Mat& picture, std::uint64_t picture_ns) {
-      const auto data = ros_image(false, topics.stamp_ns.value_or(picture_ns), picture.cols, picture.rows,
-                                  topics.encoding, picture.cols, pixels_of(picture));
+      const auto data =
+          ros_image(false, topics.stamp_ns.value_or(picture_ns), picture.cols, picture.rows, topics.encoding,
+                    picture.cols * static_cast<int>(picture.elemSize()), pixels_of(picture));
       records += BagBytes::message({connection, picture_ns, data});
     };
     image(0, left, time_ns);
@@ -94,6 +100,23 @@ TEST(Bags, PairsAndCalibrationOfOthersAreFollowed) {
   EXPECT_NEAR(last["obstacles"][0]["y_m"].get<double>(), kBoxY_m, 1.0);
 }
 
+/// 16 bits hold anything from 8 significant ones up, in recordings as in files.
+TEST(Bags, PicturesOf16BitsAreReadByTheBitsThatTheyUse) {
+  const TestFolder folder;
+  write_bag(folder.path() / "drive.bag");
+  const auto obstacles = [&] {
+    const RunResult result = track(folder, {"--seed", "1"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    return json::parse(lines(result.out).back()).at("obstacles");
+  };
+  const json of_8_bits = obstacles();
+  ASSERT_FALSE(of_8_bits.empty());
+  for (const double factor : {1.0, 4.0, 16.0, 256.0}) {
+    write_bag(folder.path() / "drive.bag", {.encoding = "mono16", .level_factor = factor});
+    EXPECT_EQ(obstacles(), of_8_bits) << factor;
+  }
+}
+
 TEST(Bags, TopicsMayBeNamed) {
   const TestFolder folder;
   write_bag(folder.path() / "drive.bag", {.left = "/rig/left/a", .right = "/rig/right/b"});
@@ -106,6 +129,103 @@ TEST(Bags, TopicsMayBeNamed) {
   const RunResult wrong = track(folder, {"--topics", "/rig/left/a,/rig/right/c"});
   EXPECT_EQ(wrong.status, 2);
   EXPECT_THAT(wrong.err, AllOf(HasSubstr("no pictures in '/rig/right/c'"), HasSubstr("/rig/right/b (3)")));
+}
+
+/// One picture of each of these topics at one time.
+void write_topics(const std::filesystem::path& path, const std::vector<std::string>& topics) {
+  std::string records;
+  for (std::uint32_t i = 0; i < topics.size(); ++i) {
+    const auto& [left, right] = street_pair();
+    const bool is_left = topics[i].find("eft") != std::string::npos || topics[i].find("EFT") != std::string::npos;
+    const auto& picture = is_left ? left : right;
+    records += BagBytes::connection(i, topics[i], "sensor_msgs/Image");
+    records += BagBytes::message(
+        {i, kStart_ns,
+         ros_image(false, kStart_ns, picture.cols, picture.rows, "mono8", picture.cols, pixels_of(picture))});
+  }
+  std::ofstream(path, std::ios::binary) << BagBytes::start() << BagBytes::chunk("none", records, records.size());
+}
+
+TEST(Bags, TheWordForTheSideTellsTheTopics) {
+  const TestFolder folder;
+  write_text(folder.path() / "calib.txt", kitti_calibration());
+  const auto left_of = [&](const std::vector<std::string>& topics) -> std::string {
+    write_topics(folder.path() / "drive.bag", topics);
+    const RunResult result = track(folder, {"--calib", "calib.txt"});
+    return result.status == 0 ? json::parse(lines(result.out).back()).at("left") : json(result.err);
+  };
+  EXPECT_EQ(left_of({"/Left/image", "/Right/image"}), "drive.bag /Left/image 0");
+  EXPECT_EQ(left_of({"/LEFT/image", "/RIGHT/image"}), "drive.bag /LEFT/image 0");
+  EXPECT_EQ(left_of({"/rightarm/left/image", "/rightarm/right/image"}), "drive.bag /rightarm/left/image 0");
+  EXPECT_EQ(left_of({"/right/left/image", "/right/right/image"}), "drive.bag /right/left/image 0");
+  EXPECT_EQ(left_of({"/left/left_image", "/right/right_image"}), "drive.bag /left/left_image 0");
+  EXPECT_EQ(left_of({"/leftcam/image", "/rightcam/image"}), "drive.bag /leftcam/image 0");
+  EXPECT_EQ(left_of({"/left/image_rect", "/right/image_rect", "/left/image_rect_color", "/right/image_rect_color"}),
+            "drive.bag /left/image_rect 0");
+  EXPECT_EQ(left_of({"/left/image_raw", "/right/image_raw", "/left/image_color", "/right/image_color"}),
+            "drive.bag /left/image_color 0");
+  EXPECT_EQ(left_of({"/left/image_rect_color", "/right/image_rect_color", "/left_raw/image", "/right_raw/image"}),
+            "drive.bag /left/image_rect_color 0");
+  EXPECT_THAT(left_of({"/front/left/image", "/front/right/image", "/rear/left/image", "/rear/right/image"}),
+              HasSubstr("cannot tell the left pictures from the right ones"));
+}
+
+TEST(Bags, PicturesOfOneSideAloneOfAFileThatWasCutOff) {
+  const TestFolder folder;
+  write_topics(folder.path() / "drive.bag", {"/left"});
+  RunResult result = track(folder, {});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(
+      result.err,
+      "flies: drive.bag: holds no pair, for that takes pictures of two topics; topics with pictures: /left (1)\n");
+  std::ofstream(folder.path() / "drive.bag", std::ios::binary | std::ios::app) << "cut";
+  result = track(folder, {});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("drive.bag: is cut off or damaged, and what is whole of it holds no pair"));
+  result = track(folder, {"--topics", "/left,/right"});
+  EXPECT_THAT(result.err, HasSubstr("drive.bag: is cut off or damaged, and what is whole of it holds no pictures in "
+                                    "'/right'"));
+}
+
+TEST(Bags, PicturesOfEitherSideWithoutPartnersAreCounted) {
+  const TestFolder folder;
+  std::string alone;
+  for (int i = 1; i < 4; ++i) {
+    const auto& right = street_pair().right;
+    const std::uint64_t time_ns = kStart_ns - static_cast<std::uint64_t>(i) * 100'000'000U;
+    alone += BagBytes::message(
+        {1, time_ns, ros_image(false, time_ns, right.cols, right.rows, "mono8", right.cols, pixels_of(right))});
+  }
+  write_bag(folder.path() / "drive.bag", {.before = alone});
+  EXPECT_THAT(track(folder, {}).err, HasSubstr("3 pictures of /rig/right/image_raw have no partner"));
+}
+
+TEST(Recordings, FoldersAndOtherKindsAreToldWhatToGive) {
+  const TestFolder folder;
+  const auto run = [&](const std::string& source) {
+    return run_flies(folder.path(), {"track", source, "--camera-height", "1.65", "--json", "-"});
+  };
+  const auto drive = folder.path() / "drive";
+  std::filesystem::create_directory(drive);
+  write_text(drive / "metadata.yaml", "rosbag2_bagfile_information:\n");
+  EXPECT_THAT(run("drive").err, HasSubstr("drive: is no KITTI raw drive"));
+  write_text(drive / "drive_0.db3", "SQLite format 3");
+  for (const char* source : {"drive", "drive/metadata.yaml", "drive/drive_0.db3"}) {
+    const RunResult result = run(source);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(result.err, HasSubstr("drive_0.db3: is a recording in SQLite, which is not read: convert it to MCAP"));
+  }
+  write_bag(drive / "a.bag");
+  for (const char* source : {"drive", "drive/metadata.yaml"}) {
+    const RunResult result = run(source);
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(lines(result.out).size(), static_cast<std::size_t>(kPairs));
+  }
+  write_bag(drive / "b.bag");
+  EXPECT_THAT(run("drive").err, HasSubstr("drive: holds 2 recordings, expected one: give one of drive/a.bag, "
+                                          "drive/b.bag"));
+  write_text(folder.path() / "drive.mcap.zstd", "(");
+  EXPECT_THAT(run("drive.mcap.zstd").err, HasSubstr("drive.mcap.zstd: is compressed as a whole: unpack it first"));
 }
 
 TEST(Bags, NoPictureIsInTwoPairs) {
@@ -135,7 +255,7 @@ TEST(Bags, OptionsOfCalibrationFilesAreRefusedWithoutOne) {
   const TestFolder folder;
   write_bag(folder.path() / "drive.bag");
   const std::vector<std::vector<std::string>> options = {
-      {"--right-calib", "right.yaml"}, {"--calib-size", "320,240"}, {"--raw"}, {"--resized"}, {"--cameras", "2,3"}};
+      {"--right-calib", "right.yaml"}, {"--calib-size", "320,240"}, {"--cameras", "2,3"}};
   for (const auto& option : options) {
     const RunResult result = track(folder, option);
     EXPECT_EQ(result.status, 2) << option[0];
@@ -181,14 +301,14 @@ TEST(Bags, FaultyMessagesArePassedOver) {
   EXPECT_THAT(needed.err, HasSubstr("drive.bag /rig/left/camera_info: the message ends too early"));
 }
 
-TEST(Bags, WhyReadingEndedIsTold) {
+TEST(Bags, WhatIsPassedOverIsTold) {
   const TestFolder folder;
   write_bag(folder.path() / "drive.bag", {.after = BagBytes::chunk("zip", "x", 1)});
   const RunResult result = track(folder, {});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(lines(result.out).size(), static_cast<std::size_t>(kPairs));
   EXPECT_THAT(result.err, HasSubstr("drive.bag: chunks are compressed with 'zip', expected none, zstd, lz4 or bz2; "
-                                    "reading ended after 3 pairs"));
+                                    "1 such parts of the file are left out"));
 }
 
 TEST(Bags, WhatIsMissingIsNamed) {
@@ -199,6 +319,8 @@ TEST(Bags, WhatIsMissingIsNamed) {
   EXPECT_THAT(result.err, AllOf(HasSubstr("drive.bag: /rig/left/camera_info: is missing"), HasSubstr("--calib")));
   write_text(folder.path() / "calib.txt", kitti_calibration());
   EXPECT_EQ(track(folder, {"--calib", "calib.txt"}).status, 0);
+  write_bag(folder.path() / "drive.bag", {.has_camera_info = false, .after = "cut"});
+  EXPECT_THAT(track(folder, {}).err, HasSubstr("/rig/left/camera_info: is missing from what is whole of the file"));
 
   write_bag(folder.path() / "drive.bag", {.encoding = "bayer_rggb8"});
   const RunResult bayer = track(folder, {});
@@ -227,12 +349,20 @@ std::string calibration_message(bool is_right) {
 }
 
 /// A recording like ours, without chunks: a message for each topic.
-void write_mcap(const std::filesystem::path& path, const std::vector<std::pair<std::string, std::string>>& messages) {
+/// @param schema_name of all messages; empty: none
+void write_mcap(const std::filesystem::path& path, const std::vector<std::pair<std::string, std::string>>& messages,
+                const std::string& schema_name = {}) {
   std::string bytes(mcap::kMagic);
+  if (!schema_name.empty()) {
+    std::string schema;
+    put_number(schema, 1, 2);
+    mcap::put_text(schema, schema_name);
+    mcap::put_record(bytes, mcap::Opcode::schema, schema);
+  }
   for (std::size_t i = 0; i < messages.size(); ++i) {
     std::string channel, message;
     put_number(channel, i, 2);
-    put_number(channel, 0, 2);
+    put_number(channel, schema_name.empty() ? 0U : 1U, 2);
     mcap::put_text(channel, messages[i].first);
     mcap::put_text(channel, "json");
     put_number(channel, 0, 4);
@@ -260,6 +390,11 @@ TEST(OwnRecordings, FaultsOfTheirCalibrationAreNamed) {
   const RunResult good = run(calibration_message(false));
   EXPECT_EQ(good.status, 0) << good.err;
   EXPECT_EQ(lines(good.out).size(), 1U);
+  write_mcap(folder.path() / "street.mcap", {{"/left", "x"}, {"/right", "x"}}, "foxglove.RawImage");
+  const RunResult unread = run_flies(folder.path(), {"track", "street.mcap"});
+  EXPECT_EQ(unread.status, 2);
+  EXPECT_THAT(unread.err, HasSubstr("street.mcap: holds no pictures that are read; there are some of kinds that are "
+                                    "not read: /left (foxglove.RawImage in json): 1, /right"));
   const RunResult short_one = run(R"({"P": [1, 2, 3]})");
   EXPECT_EQ(short_one.status, 2);
   EXPECT_EQ(short_one.err, "flies: street.mcap: /left/calibration P: found 3 numbers, expected 12\n");

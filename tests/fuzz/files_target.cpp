@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string_view>
 
 #include "flies/classify/network_classifier.hpp"
@@ -75,10 +76,20 @@ void read_calibrations(const std::string& file, const std::string& right = {}) {
   }
 }
 
+/// The next message behind what is damaged.
+std::optional<flies::RecordedMessage> next_whole(flies::RecordingReader& reader) {
+  while (true) {
+    try {
+      return reader.next();
+    } catch (const flies::InputError&) {
+    }
+  }
+}
+
 void read_recording(const std::string& file) {
   const auto reader = flies::open_recording(file);
   std::vector<flies::RosCameraInfo> cameras;
-  while (const auto message = reader->next()) {
+  while (const auto message = next_whole(*reader)) {
     reader->at(message->place);
     try {
       flies::ros_stamp_ns(*message, file);
@@ -91,9 +102,15 @@ void read_recording(const std::string& file) {
     }
   }
   if (cameras.size() < 2) return;
-  for (const bool is_rectified : {false, true}) {
+  std::vector<flies::CalibrationRequest> requests(4);
+  requests[1].images_are_raw = true;
+  requests[2].width_px = kCamera.width_px;
+  requests[2].height_px = kCamera.height_px;
+  requests[3].images_are_raw = true;
+  requests[3].baseline_m = kCamera.baseline_m;
+  for (const auto& request : requests) {
     try {
-      flies::ros_calibration(cameras[0], cameras[1], is_rectified, file);
+      flies::ros_calibration(cameras[0], cameras[1], request, file);
     } catch (const flies::InputError&) {
     }
   }

@@ -3,53 +3,36 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <utility>
 
 #include "channels/channels.hpp"
+#include "channels/recorded_topics.hpp"
 #include "flies/core/base64.hpp"
 #include "flies/core/error.hpp"
-#include "flies/io/calibration_formats.hpp"
+#include "flies/io/gray_levels.hpp"
 #include "flies/record/ros_calibration.hpp"
 
 namespace {
 
 using Json = nlohmann::json;
 
-std::string_view topic_of(Channel channel) { return kChannels[static_cast<std::size_t>(channel)].topic; }
-
-/// The turn from the camera's axes to the vehicle's, as `camera_transform` of the channels builds it.
-flies::CameraMount mount_of(const Json& transform) {
-  const Json& q = transform.at("rotation");
-  const double x = q.at("x"), y = q.at("y"), z = q.at("z"), w = q.at("w");
-  const double forward_z = 1.0 - 2.0 * (x * x + y * y);  // of the camera's forward axis
-  const double right_z = 2.0 * (x * z - w * y);          // and of its right axis, how far they point up
-  flies::CameraMount mount;
-  mount.height_m = transform.at("translation").at("z");
-  mount.pitch_rad = -std::asin(std::clamp(forward_z, -1.0, 1.0));
-  mount.roll_rad = -std::asin(std::clamp(right_z / std::cos(mount.pitch_rad), -1.0, 1.0));
-  return mount;
-}
-
 /// Pictures of two cameras that are farther apart in time make no pair.
 constexpr std::uint64_t kMaxSkew_ns = 20'000'000;
 
-/// The topic that says how a camera of ROS sees: beside that of its pictures.
-std::string camera_info_topic(std::string pictures) {
-  constexpr std::string_view kCompressed = "/compressed";
-  if (pictures.ends_with(kCompressed)) pictures.resize(pictures.size() - kCompressed.size());
-  return pictures.substr(0, pictures.rfind('/') + 1) + "camera_info";
+/// Whether messages of this kind hold pictures, be they read here or not: of ROS, Foxglove, and what packs films.
+bool is_of_pictures(const std::string& schema_name) {
+  constexpr std::array<std::string_view, 6> kKinds = {"Image",           "CompressedImage", "RawImage",
+                                                      "CompressedVideo", "Packet",          "FFMPEGPacket"};
+  return std::ranges::find(kKinds, schema_name.substr(schema_name.find_last_of("/.") + 1)) != kKinds.end();
 }
 
-/// Whether ROS calls these pictures rectified: image_rect, image_rect_color.
-bool is_called_rectified(const std::string& pictures) { return pictures.find("image_rect") != std::string::npos; }
-
-/// The name with left for right.
-std::string of_the_left(std::string topic) {
-  for (auto at = topic.find("right"); at != std::string::npos; at = topic.find("right", at + 4))
-    topic.replace(at, 5, "left");
-  return topic;
+/// Whether a message in JSON is a picture as we record them; some name no schema.
+bool is_picture_in_json(const flies::RecordedMessage& message) {
+  if (message.encoding != "json") return false;
+  if (!message.schema_name.empty()) return message.schema_name == "foxglove.CompressedImage";
+  return message.topic == topic_of(Channel::left) || message.topic == topic_of(Channel::right);
 }
 
 /// When a picture was taken; of a camera that does not say, when it was recorded.
@@ -58,12 +41,13 @@ std::uint64_t picture_time_ns(const flies::RecordedMessage& message, const std::
   return stamp_ns == 0 ? message.time_ns : stamp_ns;
 }
 
+/// @param is_our_own its pictures are rectified, of the calibration's size
 /// @throws InputError naming an option that says how a calibration file is to be read
-void refuse_options_of_files(const CameraArguments& arguments, const std::string& path) {
+void refuse_options_of_files(const CameraArguments& arguments, bool is_our_own, const std::string& path) {
   const std::array<std::pair<const char*, bool>, 5> options = {{{"--right-calib", !arguments.right_calib.empty()},
                                                                 {"--calib-size", !arguments.calibrated_size_px.empty()},
-                                                                {"--raw", arguments.is_raw},
-                                                                {"--resized", arguments.is_resized},
+                                                                {"--raw", is_our_own && arguments.is_raw},
+                                                                {"--resized", is_our_own && arguments.is_resized},
                                                                 {"--cameras", !arguments.cameras.empty()}}};
   for (const auto& [option, is_given] : options)
     if (is_given)
@@ -83,61 +67,44 @@ typename ByTime::const_iterator nearest(const ByTime& entries, std::uint64_t tim
 
 }  // namespace
 
-void Recording::read_calibration(const flies::RecordedMessage& message) {
-  const bool is_left = message.topic == topic_of(Channel::left_calibration);
-  const bool is_right = message.topic == topic_of(Channel::right_calibration);
-  const bool is_mount = message.topic == topic_of(Channel::camera_transform);
-  if ((!is_left || has_left_) && (!is_right || has_right_) && (!is_mount || has_mount_)) return;
-  try {
-    const Json json = Json::parse(message.data);
-    if (is_mount) {
-      camera_.mount = mount_of(json);
-      has_mount_ = true;
-      return;
-    }
-    const auto projection = json.at("P").get<std::vector<double>>();
-    constexpr std::size_t kNumbers = 12;
-    if (projection.size() != kNumbers)
-      throw flies::InputError(path_, message.topic + " P",
-                              fmt::format("found {} numbers, expected 12", projection.size()));
-    if (is_left) {
-      camera_.fx_px = projection[0];
-      camera_.fy_px = projection[5];
-      camera_.cx_px = projection[2];
-      camera_.cy_px = projection[6];
-      camera_.width_px = json.at("width");
-      camera_.height_px = json.at("height");
-      has_left_ = true;
-    } else {
-      camera_.cx_right_px = projection[2];
-      camera_.baseline_m = -projection[3] / projection[0];
-      has_right_ = true;
-    }
-  } catch (const Json::exception&) {
-    throw flies::InputError(path_, message.topic, "a message is not what its schema says");
-  }
-}
-
 Recording::Recording(const std::string& path, const std::optional<std::array<std::string, 2>>& topics)
     : path_(path), reader_(flies::open_recording(path)) {
   read_all();
   choose_topics(topics);
   pair_up();
   for (const auto& topic : {left_, right_}) note_losses(topic);
-  if (!early_end_.empty()) notes_.push_back(fmt::format("{} after {} pairs", early_end_, pairs_.size()));
+  if (damaged_)
+    notes_.push_back(fmt::format("{}; {} such parts of the file are left out, with all that is in them",
+                                 damaged_->first.what(), damaged_->count));
+  if (!reader_->is_whole())
+    notes_.push_back(fmt::format("{}: is cut off or damaged after {} pairs", path_, pairs_.size()));
 }
 
 void Recording::read_all() {
-  try {
-    while (const auto message = reader_->next()) read_or_pass_over(*message);
-    if (!reader_->is_whole()) early_end_ = path_ + ": is cut off or damaged";
-  } catch (const flies::InputError& fault) {
-    if (pictures_.empty()) throw;
-    early_end_ = std::string(fault.what()) + "; reading ended";
+  while (const auto message = next()) read_or_pass_over(*message);
+  if (!pictures_.empty()) return;
+  if (damaged_) throw flies::InputError(damaged_->first);
+  if (!faults_.empty()) throw flies::InputError(faults_.begin()->second.first);
+  complain(unread_.empty() ? "holds no pictures" : "holds no pictures that are read" + unread_topics());
+}
+
+/// The next message behind what is damaged.
+std::optional<flies::RecordedMessage> Recording::next() {
+  while (true) {
+    try {
+      return reader_->next();
+    } catch (const flies::InputError& fault) {
+      if (!damaged_) damaged_.emplace(Faults{fault});
+      ++damaged_->count;
+    }
   }
-  if (pictures_.empty() && !faults_.empty()) throw faults_.begin()->second.first;
-  if (pictures_.empty() && !early_end_.empty())
-    throw flies::InputError(path_, "", "is cut off or damaged, and what is whole of it holds no pictures");
+}
+
+bool Recording::is_whole() const { return reader_->is_whole() && !damaged_; }
+
+/// @throws InputError saying first that the file is not whole, if so
+void Recording::complain(const std::string& what) const {
+  throw flies::InputError(path_, "", is_whole() ? what : "is cut off or damaged, and what is whole of it " + what);
 }
 
 void Recording::read_or_pass_over(const flies::RecordedMessage& message) {
@@ -165,11 +132,14 @@ void Recording::read(const flies::RecordedMessage& message) {
     case flies::RosType::other:
       break;
   }
-  if (message.encoding != "json") return;
-  const bool is_left = message.topic == topic_of(Channel::left);
-  if (is_left || message.topic == topic_of(Channel::right)) add_picture(message, message.time_ns);
-  has_own_pictures_ |= is_left;
-  read_calibration(message);
+  if (is_picture_in_json(message)) {
+    add_picture(message, message.time_ns);
+    has_own_pictures_ |= message.topic == topic_of(Channel::left);
+  } else if (is_of_pictures(message.schema_name)) {
+    ++unread_[fmt::format("{} ({} in {})", message.topic, message.schema_name, message.encoding)];
+  } else if (message.encoding == "json") {
+    own_.read(message, path_);
+  }
 }
 
 void Recording::add_picture(const flies::RecordedMessage& message, std::uint64_t time_ns) {
@@ -181,7 +151,18 @@ void Recording::add_picture(const flies::RecordedMessage& message, std::uint64_t
 std::string Recording::picture_topics() const {
   std::vector<std::string> names;
   for (const auto& [topic, pictures] : pictures_) names.push_back(fmt::format("{} ({})", topic, pictures.size()));
-  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+  return fmt::format("topics with pictures: {}{}", fmt::join(names, ", "), unread_topics());
+}
+
+/// And those that hold some of a kind that is not read; empty when none do.
+std::string Recording::unread_topics() const {
+  if (unread_.empty()) return {};
+  std::vector<std::string> names;
+  for (const auto& [topic, count] : unread_) names.push_back(fmt::format("{}: {}", topic, count));
+  return fmt::format(
+      "; there are some of kinds that are not read: {}; read are Image and CompressedImage of ROS, and Foxglove's "
+      "CompressedImage in JSON",
+      fmt::join(names, ", "));
 }
 
 void Recording::choose_topics(const std::optional<std::array<std::string, 2>>& topics) {
@@ -189,29 +170,23 @@ void Recording::choose_topics(const std::optional<std::array<std::string, 2>>& t
     for (const auto& topic : *topics) {
       if (pictures_.contains(topic)) continue;
       throw_fault_of(topic);
-      throw flies::InputError(path_, "--topics",
-                              fmt::format("no pictures in '{}'; topics with pictures: {}", topic, picture_topics()));
+      complain(fmt::format("holds no pictures in '{}' (--topics); {}", topic, picture_topics()));
     }
     left_ = (*topics)[0];
     right_ = (*topics)[1];
     return;
   }
-  std::vector<std::string> found;  // right topics whose left ones are there
-  for (const auto& [topic, pictures] : pictures_)
-    if (const auto left = of_the_left(topic); left != topic && pictures_.contains(left)) found.push_back(topic);
-  // Of several the rectified ones, and of those the ones that are not compressed a second time.
-  const auto rank = [](const std::string& topic) {
-    return std::pair(!is_called_rectified(topic), topic.ends_with("/compressed"));
-  };
-  std::ranges::stable_sort(found, {}, rank);
-  if (found.empty() || (found.size() > 1 && rank(found[0]) == rank(found[1])))
-    throw flies::InputError(
-        path_, "",
-        fmt::format("cannot tell the left pictures from the right ones; name two topics by --topics LEFT,RIGHT; "
-                    "topics with pictures: {}",
-                    picture_topics()));
-  right_ = found.front();
-  left_ = of_the_left(right_);
+  std::vector<std::string> names;
+  for (const auto& [topic, pictures] : pictures_) names.push_back(topic);
+  if (const auto found = stereo_topics(names)) {
+    left_ = (*found)[0];
+    right_ = (*found)[1];
+    return;
+  }
+  if (names.size() < 2) complain("holds no pair, for that takes pictures of two topics; " + picture_topics());
+  throw flies::InputError(
+      path_, "",
+      "cannot tell the left pictures from the right ones; name two topics by --topics LEFT,RIGHT; " + picture_topics());
 }
 
 /// Two pictures are a pair when each is the nearest to the other, as images of two folders are.
@@ -224,15 +199,14 @@ void Recording::pair_up() {
       pairs_.push_back({time_ns, place, right_place});
   }
   if (pairs_.empty())
-    throw flies::InputError(path_, "",
-                            fmt::format("holds no pairs: no pictures of {} and {} are within {} ms of each other",
-                                        left_, right_, kMaxSkew_ns / 1'000'000));
-  const std::size_t alone = pictures_[left_].size() - pairs_.size();
-  if (alone > 0) notes_.push_back(fmt::format("{}: {} pictures of {} have no partner", path_, alone, left_));
+    complain(fmt::format("holds no pairs: no pictures of {} and {} are within {} ms of each other", left_, right_,
+                         kMaxSkew_ns / 1'000'000));
 }
 
 /// Tells which pictures of a topic were left out, and why.
 void Recording::note_losses(const std::string& topic) {
+  if (const std::size_t alone = pictures_[topic].size() - pairs_.size(); alone > 0)
+    notes_.push_back(fmt::format("{}: {} pictures of {} have no partner", path_, alone, topic));
   if (const auto found = replaced_.find(topic); found != replaced_.end())
     notes_.push_back(
         fmt::format("{}: {} pictures of {} are left out: later ones have their times", path_, found->second, topic));
@@ -249,7 +223,7 @@ std::string Recording::name(std::size_t pair, bool is_right) const {
   return fmt::format("{} {} {}", path_, is_right ? right_ : left_, pair);
 }
 
-flies::GrayImage Recording::picture(const flies::MessagePlace& place, const std::string& name) const {
+cv::Mat Recording::picture(const flies::MessagePlace& place, const std::string& name) const {
   const auto message = reader_->at(place);
   if (flies::ros_type(message) != flies::RosType::other) return flies::ros_picture(message, name);
   const Json json = Json::parse(message.data, nullptr, false);
@@ -257,13 +231,13 @@ flies::GrayImage Recording::picture(const flies::MessagePlace& place, const std:
                          ? flies::from_base64(json["data"].get<std::string>())
                          : std::nullopt;
   if (!bytes) throw flies::InputError(name, "", "is no picture");
-  return flies::gray_picture(*bytes, name);
+  return flies::picture_of_file(*bytes, name);
 }
 
 flies::GrayPair Recording::pair(std::size_t pair) const {
-  flies::GrayPair images;
-  images.left = picture(pairs_[pair].left, name(pair, false));
-  images.right = picture(pairs_[pair].right, name(pair, true));
+  const cv::Mat left = picture(pairs_[pair].left, name(pair, false));  // whose faults are told first
+  const cv::Mat right = picture(pairs_[pair].right, name(pair, true));
+  flies::GrayPair images = flies::pair_of_levels(left, right);
   flies::check_pair(images.view(), name(pair, false), name(pair, true));
   return images;
 }
@@ -275,48 +249,30 @@ const flies::RosCameraInfo& Recording::camera_info(const std::string& topic) con
   std::vector<std::string> names;
   for (const auto& [name, info] : camera_infos_) names.push_back(name);
   throw flies::InputError(path_, topic,
-                          fmt::format("is missing, so the calibration is not known; give it by --calib; topics with a "
-                                      "camera_info: {}",
+                          fmt::format("is missing{}, so the calibration is not known; give it by --calib; topics with "
+                                      "a camera_info: {}",
+                                      is_whole() ? "" : " from what is whole of the file, which is cut off or damaged",
                                       names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-flies::Calibration Recording::recorded_calibration() const {
-  if (left_ == topic_of(Channel::left) && (has_left_ || has_right_ || has_own_pictures_)) {
-    if (!has_left_ || !has_right_) {
-      const std::string topic(topic_of(has_left_ ? Channel::right_calibration : Channel::left_calibration));
-      throw_fault_of(topic);
-      throw flies::InputError(path_, topic, "is missing");
-    }
-    flies::check_camera(camera_, path_);
-    flies::Calibration calibration;
-    calibration.camera = camera_;
-    calibration.format = "recording";
-    calibration.has_height = calibration.has_pitch = has_mount_;
-    if (!has_mount_)
-      calibration.notes.push_back(
-          {"does not say where the camera sits; the default mount is assumed", flies::CalibrationNoteKind::mount});
-    return calibration;
+/// Whether `flies live` wrote it.
+bool Recording::is_our_own() const { return left_ == topic_of(Channel::left) && (own_.has_any() || has_own_pictures_); }
+
+flies::Calibration Recording::calibration(const CameraArguments& arguments, const flies::RectifiedPair& images) const {
+  refuse_options_of_files(arguments, is_our_own(), path_);
+  if (is_our_own()) {
+    const auto missing = own_.missing_topic();
+    if (!missing) return own_.calibration(arguments, path_);
+    throw_fault_of(*missing);
+    throw flies::InputError(path_, *missing, "is missing");
   }
   const auto& left = camera_info(camera_info_topic(left_));
   const auto& right = camera_info(camera_info_topic(right_));
-  const bool is_rectified =
-      is_called_rectified(left_) || (flies::is_rectified_by_nature(left) && flies::is_rectified_by_nature(right));
-  flies::Calibration calibration = flies::ros_calibration(left, right, is_rectified, path_);
+  flies::CalibrationRequest request = calibration_request(arguments, left_, right_, images);
+  request.images_are_raw |=
+      !is_called_rectified(left_) && !(flies::is_rectified_by_nature(left) && flies::is_rectified_by_nature(right));
+  flies::Calibration calibration = flies::ros_calibration(left, right, request, path_);
   calibration.left_name = left_;
   calibration.right_name = right_;
-  return calibration;
-}
-
-flies::Calibration Recording::calibration(const CameraArguments& arguments) const {
-  refuse_options_of_files(arguments, path_);
-  flies::Calibration calibration = recorded_calibration();
-  if (arguments.baseline_m) flies::detail::override_baseline(*arguments.baseline_m, path_, calibration);
-  auto& mount = calibration.camera.mount;
-  if (arguments.height_m) mount.height_m = *arguments.height_m;
-  if (arguments.pitch_deg) mount.pitch_rad = flies::radians(*arguments.pitch_deg);
-  if (arguments.roll_deg) mount.roll_rad = flies::radians(*arguments.roll_deg);
-  calibration.has_height |= arguments.height_m.has_value();
-  calibration.has_pitch |= arguments.pitch_deg.has_value();
-  flies::check_camera(calibration.camera, path_);
   return calibration;
 }

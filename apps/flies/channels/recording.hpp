@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "channels/own_calibration.hpp"
 #include "flies/core/error.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/gray_image.hpp"
@@ -33,8 +34,9 @@ class Recording {
   flies::GrayPair pair(std::size_t pair) const;
 
   /// The camera as it was recorded, baseline and mount overruled by what the user says.
+  /// @param images a pair of it, whose size may be another than the calibration's
   /// @throws InputError naming the topic that is missing or cannot be read, or the option that is of calibration files
-  flies::Calibration calibration(const CameraArguments& arguments) const;
+  flies::Calibration calibration(const CameraArguments& arguments, const flies::RectifiedPair& images) const;
 
   const std::vector<std::string>& notes() const { return notes_; }
 
@@ -52,30 +54,33 @@ class Recording {
   };
 
   void read_all();
+  std::optional<flies::RecordedMessage> next();
+  bool is_whole() const;
+  [[noreturn]] void complain(const std::string& what) const;
   void read_or_pass_over(const flies::RecordedMessage& message);
   void read(const flies::RecordedMessage& message);
   void add_picture(const flies::RecordedMessage& message, std::uint64_t time_ns);
-  void read_calibration(const flies::RecordedMessage& message);
   void choose_topics(const std::optional<std::array<std::string, 2>>& topics);
   void throw_fault_of(const std::string& topic) const;
   void note_losses(const std::string& topic);
   void pair_up();
   std::string picture_topics() const;
+  std::string unread_topics() const;
   const flies::RosCameraInfo& camera_info(const std::string& topic) const;
-  flies::GrayImage picture(const flies::MessagePlace& place, const std::string& name) const;
-  flies::Calibration recorded_calibration() const;
+  cv::Mat picture(const flies::MessagePlace& place, const std::string& name) const;
+  bool is_our_own() const;
 
   std::string path_;
   std::unique_ptr<flies::RecordingReader> reader_;
   std::map<std::string, Pictures> pictures_;
   std::map<std::string, std::size_t> replaced_;  ///< pictures of a topic that had the time of a later one
   std::map<std::string, Faults> faults_;         ///< of the topics that have some
+  std::optional<Faults> damaged_;                ///< parts of the file that were passed over
+  std::map<std::string, std::size_t> unread_;    ///< messages with pictures of kinds that are not read, by their topics
   std::map<std::string, flies::RosCameraInfo> camera_infos_;
   std::string left_, right_;  ///< the topics
   std::vector<Pair> pairs_;
-  flies::StereoCamera camera_;  ///< of our own recordings
-  bool has_left_ = false, has_right_ = false, has_mount_ = false;
+  OwnCalibration own_;
   bool has_own_pictures_ = false;  ///< on the topic of our left ones
-  std::string early_end_;          ///< why reading ended early, as a note begins; empty: it did not
   std::vector<std::string> notes_;
 };

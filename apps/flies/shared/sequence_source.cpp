@@ -15,6 +15,7 @@
 #include "flies/io/images.hpp"
 #include "flies/io/pair_matching.hpp"
 #include "flies/io/time_stamps.hpp"
+#include "shared/recording_file.hpp"
 
 namespace fs = std::filesystem;
 
@@ -117,8 +118,20 @@ std::optional<std::vector<double>> named_times(const std::vector<flies::PairPath
   return times_s;
 }
 
-bool is_recording(const std::string& source) {
-  return (source.ends_with(".mcap") || source.ends_with(".bag")) && !flies::detail::is_there_as_folder(source);
+bool is_drive(const fs::path& folder, const SequenceRequest& request) {
+  return std::ranges::all_of(cameras_of(folder, request), [&](int camera) {
+    return flies::detail::is_there_as_folder(camera_folder(folder, camera) / "data");
+  });
+}
+
+/// The recording that is asked for; nothing when it is images. Folders of images may hold one beside them.
+std::optional<std::string> recording_in(const SequenceRequest& request) {
+  if (request.sources.size() != 1) return std::nullopt;
+  const std::string& source = request.sources[0];
+  if (flies::detail::is_there_as_folder(source) &&
+      (request.reading.split != flies::Split::none || is_drawn(source) || is_drive(source, request)))
+    return std::nullopt;
+  return recording_of(source);
 }
 
 void open_recording(SequenceSource& source, const std::string& path,
@@ -152,8 +165,8 @@ SequenceSource open_sequence(const SequenceRequest& request) {
   source.calib = request.calib;
   source.reading = request.reading;
   std::string own_times;
-  if (request.sources.size() == 1 && is_recording(request.sources[0])) {
-    open_recording(source, request.sources[0], request.topics);
+  if (const auto recording = recording_in(request)) {
+    open_recording(source, *recording, request.topics);
   } else if (request.reading.split != flies::Split::none) {
     if (request.sources.size() > 1)
       throw flies::InputError("SOURCE", request.sources[1], "is not needed: with --split one file holds both images");
@@ -167,8 +180,7 @@ SequenceSource open_sequence(const SequenceRequest& request) {
   } else if (request.sources.size() == 1) {
     const fs::path drive = request.sources[0];
     const auto [left, right] = cameras_of(drive, request);
-    if (!flies::detail::is_there_as_folder(camera_folder(drive, left) / "data") ||
-        !flies::detail::is_there_as_folder(camera_folder(drive, right) / "data"))
+    if (!is_drive(drive, request))
       throw flies::InputError(request.sources[0], "",
                               "is no KITTI raw drive (image_00/data and image_01/data), no folder of flies synth "
                               "--sequence and no recording (.mcap, .bag), expected one, or two folders");

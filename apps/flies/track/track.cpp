@@ -115,7 +115,7 @@ class TrackOutputFiles {
 flies::Calibration calibration_of(const TrackArguments& arguments, const SequenceSource& source,
                                   const flies::PairPaths& pair, const flies::RectifiedPair& images) {
   if (!source.recording) return calibration_of_files(source.calib, arguments.camera, pair, images);
-  if (arguments.sequence.calib.empty()) return source.recording->calibration(arguments.camera);
+  if (arguments.sequence.calib.empty()) return source.recording->calibration(arguments.camera, images);
   return flies::load_calibration(source.calib, calibration_request(arguments.camera, pair.left, pair.right, images));
 }
 

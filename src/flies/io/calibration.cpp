@@ -71,13 +71,12 @@ void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
 }
 
 /// @throws InputError for a baseline that no option mends
-void check_baseline(const Calibration& calibration, const detail::CalibrationFormat& format,
-                    const CalibrationRequest& request, const std::string& source) {
+void check_baseline(const Calibration& calibration, const CalibrationRequest& request, const std::string& source) {
   const double baseline_m = calibration.camera.baseline_m;
   const std::string pair = calibration.left_name + " and " + calibration.right_name;
   if (baseline_m < 0.0) {
     std::string causes = fmt::format("left and right are swapped ({})", pair);
-    if (&format == &detail::kKalibr || &format == &detail::kBasalt) {
+    if (calibration.format == detail::kKalibr.name || calibration.format == detail::kBasalt.name) {
       const auto [left, right] = request.cameras.value_or(std::array{0, 1});
       causes += fmt::format(" (--cameras {},{} exchanges them)", right, left);
     }
@@ -208,6 +207,8 @@ void detail::override_baseline(double baseline_m, const std::string& source, Cal
   if (!(found_m >= 0.0) || (found_m == 0.0 && calibration.rectifier)) return;
   if (!(baseline_m > 0.0) || !std::isfinite(baseline_m))
     throw InputError(source, "baseline", fmt::format("{} m was asked for, expected more than 0", baseline_m));
+  constexpr double kSame = 1e-9;
+  if (std::abs(found_m - baseline_m) <= kSame * baseline_m) return;
   calibration.camera.baseline_m = baseline_m;
   if (calibration.rectifier) {
     RawStereo raw = calibration.rectifier->raw();
@@ -265,6 +266,19 @@ std::vector<std::string> texts(const CalibrationNotes& notes, std::initializer_l
   return found;
 }
 
+Calibration detail::completed(Calibration calibration, const CalibrationRequest& request, const std::string& source) {
+  check_baseline(calibration, request, source);
+  if (request.baseline_m) override_baseline(*request.baseline_m, source, calibration);
+  apply_mount(request, calibration);
+  auto& camera = calibration.camera;
+  exchange_size(request, calibration);
+  check_camera(camera, source);
+  const bool says_size = camera.width_px > 0;
+  fit_size(request, source, calibration);
+  for (auto& note : check_plausible(camera, source, says_size)) calibration.notes.push_back({std::move(note)});
+  return calibration;
+}
+
 Calibration load_calibration(const std::string& path, const CalibrationRequest& request) {
   check_size(request.width_px, request.height_px, path, "image size");
   check_size(request.calibrated_width_px, request.calibrated_height_px, path, "calibrated size");
@@ -282,16 +296,7 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
   if (request.images_are_raw && !calibration.rectifier)
     throw InputError(path, "raw images",
                      fmt::format("are nothing that this file describes: {} is of rectified ones", format.name));
-  check_baseline(calibration, format, request, path);
-  if (request.baseline_m) detail::override_baseline(*request.baseline_m, path, calibration);
-  apply_mount(request, calibration);
-  auto& camera = calibration.camera;
-  exchange_size(request, calibration);
-  check_camera(camera, path);
-  const bool says_size = camera.width_px > 0;
-  fit_size(request, path, calibration);
-  for (auto& note : detail::check_plausible(camera, path, says_size)) calibration.notes.push_back({std::move(note)});
-  return calibration;
+  return detail::completed(std::move(calibration), request, path);
 }
 
 std::string calibration_yaml(const StereoCamera& camera) {

@@ -33,6 +33,22 @@ struct ProjectionKey {
 /// @throws InputError when they are not the two halves of a rectified pair
 Calibration calibration_from_projections(const ProjectionKey& left, const ProjectionKey& right);
 
+/// Where one camera of ROS is described: its keys ("P", "projection_matrix", "roi.width", ...) begin with `prefix`.
+struct RosCameraKeys {
+  const NumberTable& table;
+  std::string prefix;
+};
+
+/// What two camera_info say, of a file or of a recording: of images as the cameras gave them where the request says so,
+/// else of rectified ones.
+/// @throws InputError when they are not calibrated, or not as a pair
+Calibration calibration_from_ros(const RosCameraKeys& left, const RosCameraKeys& right,
+                                 const CalibrationRequest& request);
+
+/// What is common to all formats once one was read: what the request overrules, the size of the images, all checks.
+/// @param source of the calibration, for errors
+Calibration completed(Calibration calibration, const CalibrationRequest& request, const std::string& source);
+
 /// 0, for `override_baseline`, in a file without a baseline.
 /// @param key where it would stand
 /// @throws InputError naming --baseline unless the user says it

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,11 +50,12 @@ Calibration read_plain(const NumberTable& table, const CalibrationRequest& reque
   return calibration;
 }
 
-/// One camera of a ROS file: the projection matrix and the image size, below `prefix`.
-struct RosCamera {
-  const NumberTable& table;
-  std::string prefix;
+bool is_zero(std::span<const double> numbers) {
+  return std::ranges::all_of(numbers, [](double number) { return number == 0.0; });
+}
 
+/// One camera of a ROS file: the projection matrix and the image size, below `prefix`.
+struct RosCamera : RosCameraKeys {
   std::optional<std::string> first_key(std::initializer_list<const char*> names) const {
     for (const char* name : names)
       if (table.has(prefix + name)) return prefix + name;
@@ -78,6 +80,7 @@ struct RosCamera {
         found != table.entries.end() && !found->second.numbers.empty())
       view.camera.distortion = table.require(distortion);
     view.rotation = rotation_of(table, key("rectification_matrix", "R", "r"), notes);
+    if (is_zero(view.rotation)) view.rotation = Pose{}.rotation;  // drivers leave it out of cameras that need none
     view.projection = table.require(projection().key, 12);
     if (view.projection[0] == 0.0 || view.projection[5] == 0.0)
       throw InputError(table.source, projection().key, "found a focal length of 0, expected a positive one");
@@ -92,8 +95,15 @@ struct RosCamera {
   bool is_distorted() const {
     const auto key = first_key({"distortion_coefficients", "D", "d"});
     if (!key) return false;
-    const auto& numbers = table.entries.find(*key)->second.numbers;
-    return std::any_of(numbers.begin(), numbers.end(), [](double d) { return d != 0.0; });
+    return !is_zero(table.entries.find(*key)->second.numbers);
+  }
+  /// @throws InputError when it is a camera that nobody calibrated, of which ROS has zeros
+  void check_calibrated() const {
+    const auto [own_table, key] = projection();
+    if (is_zero(own_table.require(key, 12)))
+      throw InputError(own_table.source, key,
+                       "is 0 throughout: the camera is not calibrated; calibrate both, or give the calibration that "
+                       "they have (--calib)");
   }
 };
 
@@ -136,7 +146,7 @@ bool shows(const Window& window, const RosCamera& camera, const CalibrationReque
 /// @param prefix of the camera
 NumberTable windowed(const NumberTable& table, const std::string& prefix, const CalibrationRequest& request,
                      CalibrationNotes& notes) {
-  const RosCamera camera{table, prefix};
+  const RosCamera camera{{table, prefix}};
   const auto window = window_of(camera);
   if (!window) return table;
   const auto place = fmt::format("a window of {} x {} px at column {}, row {}", window->width_px, window->height_px,
@@ -183,6 +193,21 @@ Calibration read_ros_pair(const RosCamera& left, const RosCamera& right, const C
   return calibration;
 }
 
+/// Whether two cameras see as from one place: each was calibrated alone, so that nothing says how far they are apart.
+bool are_in_one_place(const RectifiedView& left, const RectifiedView& right) {
+  const auto& a = left.projection;
+  const auto& b = right.projection;
+  return a[3] / a[0] == b[3] / b[0] && a[7] / a[5] == b[7] / b[5];
+}
+
+/// @throws InputError naming the right camera's projection unless the user says it
+double baseline_of_the_user(const CalibrationRequest& request, const RosCamera& right) {
+  if (request.baseline_m) return *request.baseline_m;
+  throw InputError(right.table.source, right.projection().key,
+                   "says that both cameras stand in one place, as where each was calibrated alone: say how far they "
+                   "stand apart (--baseline M)");
+}
+
 /// Of images as the cameras gave them: the file says how each of them is rectified, and so where the other stands.
 Calibration read_raw_ros_pair(const RosCamera& left, const RosCamera& right, const CalibrationRequest& request) {
   check_same_size_of(left, right);
@@ -190,7 +215,16 @@ Calibration read_raw_ros_pair(const RosCamera& left, const RosCamera& right, con
                left.key("camera_matrix", "K", "k"),
                right.key("camera_matrix", "K", "k"),
                left.key("rectification_matrix", "R", "r")};
-  const auto left_view = left.view(pair.notes), right_view = right.view(pair.notes);
+  const auto left_view = left.view(pair.notes);
+  auto right_view = right.view(pair.notes);
+  if (are_in_one_place(left_view, right_view)) {
+    const double baseline_m = baseline_of_the_user(request, right);
+    right_view.projection[3] -= baseline_m * right_view.projection[0];
+    pair.notes.push_back(
+        {fmt::format("{} says that both cameras stand in one place, as where each was calibrated alone: "
+                     "the cameras are taken as {:.4g} m apart, as was said, and turned as R says",
+                     right.projection().key, baseline_m)});
+  }
   pair.stereo.left = left_view.camera;
   pair.stereo.right = right_view.camera;
   set_pose(pair.stereo, pose_of_views(left_view, right_view));
@@ -213,21 +247,28 @@ Calibration read_ros(const NumberTable& table, const CalibrationRequest& request
       table.has("left.projection_matrix") || table.has("right.projection_matrix") || has_messages(table);
   const std::array<std::string, 2> prefixes =
       is_one_file ? std::array<std::string, 2>{"left.", "right."} : std::array<std::string, 2>{};
-  CalibrationNotes notes, notes_of_right;
-  const NumberTable left = windowed(table, prefixes[0], request, notes);
-  const NumberTable right =
-      windowed(is_one_file ? table : read_right_file(table, request), prefixes[1], request, notes_of_right);
-  const auto read = request.images_are_raw ? read_raw_ros_pair : read_ros_pair;
-  auto calibration = read({left, prefixes[0]}, {right, prefixes[1]}, request);
+  const NumberTable right = is_one_file ? table : read_right_file(table, request);
+  auto calibration = calibration_from_ros({table, prefixes[0]}, {right, prefixes[1]}, request);
   if (!is_one_file) {
-    calibration.left_name = left.source;
+    calibration.left_name = table.source;
     calibration.right_name = right.source;
   }
-  calibration.notes.insert(calibration.notes.begin(), notes.begin(), notes.end());
   return calibration;
 }
 
 }  // namespace
+
+Calibration calibration_from_ros(const RosCameraKeys& left, const RosCameraKeys& right,
+                                 const CalibrationRequest& request) {
+  for (const auto& keys : {left, right}) RosCamera{keys}.check_calibrated();
+  CalibrationNotes notes, notes_of_right;  // which say the same
+  const NumberTable left_table = windowed(left.table, left.prefix, request, notes);
+  const NumberTable right_table = windowed(right.table, right.prefix, request, notes_of_right);
+  const auto read = request.images_are_raw ? read_raw_ros_pair : read_ros_pair;
+  auto calibration = read({{left_table, left.prefix}}, {{right_table, right.prefix}}, request);
+  calibration.notes.insert(calibration.notes.begin(), notes.begin(), notes.end());
+  return calibration;
+}
 
 const CalibrationFormat kPlainYaml{
     "flies YAML", false, false,

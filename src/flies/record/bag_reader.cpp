@@ -73,9 +73,7 @@ std::optional<BagReader::Record> BagReader::read_record(std::uint64_t position) 
   if (!header) return std::nullopt;
   auto data = part();
   if (!data) return std::nullopt;
-  auto fields = fields_of(*header);
-  if (!fields) complain("a record is damaged");
-  record.fields = std::move(*fields);
+  record.fields = fields_of(*header).value_or(decltype(record.fields){});
   record.data = std::move(*data);
   return record;
 }
@@ -88,7 +86,10 @@ std::optional<BagReader::Record> BagReader::next_in_chunk(Chunk& own) const {
   Record record;
   record.data = taker.text();
   record.length = before - taker.left();
-  if (!taker.is_good || !fields) complain("a chunk is damaged");
+  if (!taker.is_good || !fields) {
+    own.position = own.records.size();  // what follows is no better
+    complain("a chunk is damaged");
+  }
   record.fields = std::move(*fields);
   own.position += record.length;
   return record;
@@ -103,10 +104,29 @@ std::string BagReader::unpacked(const Record& record) const {
   return std::move(*records);
 }
 
+/// The connection of a message. Where the chunk that says it is damaged, the end of the file says it again.
+const BagReader::Connection& BagReader::connection(std::uint64_t id) {
+  if (!connections_.contains(id) && !has_read_index_) read_index();
+  const auto found = connections_.find(id);
+  if (found == connections_.end()) complain("a message is of no connection");
+  return found->second;
+}
+
+void BagReader::read_index() {
+  has_read_index_ = true;
+  for (std::uint64_t at = index_; at >= kMagic.size() && at < size_;) {
+    const auto record = read_record(at);
+    if (!record) return;
+    if (record->number("op") == kConnection) take(*record, {});
+    at += record->length;
+  }
+}
+
 std::optional<RecordedMessage> BagReader::take(const Record& record, const MessagePlace& place) {
+  if (record.fields.empty()) complain("a record is damaged");
   switch (record.number("op")) {
     case kBagHeader:
-      has_index_ = record.number("index_pos") != 0;
+      index_ = record.number("index_pos");
       break;
     case kConnection: {
       const auto fields = fields_of(record.data);
@@ -115,11 +135,10 @@ std::optional<RecordedMessage> BagReader::take(const Record& record, const Messa
       break;
     }
     case kMessage: {
-      const auto found = connections_.find(record.number("conn"));
-      if (found == connections_.end()) complain("a message is of no connection");
+      const Connection& own = connection(record.number("conn"));
       const std::uint64_t time = record.number("time");
       const std::uint64_t time_ns = (time & 0xFFFFFFFFU) * 1'000'000'000U + (time >> 32);
-      return RecordedMessage{found->second.topic, found->second.type, "ros1", time_ns, record.data, place};
+      return RecordedMessage{own.topic, own.type, "ros1", time_ns, record.data, place};
     }
     case kChunk:
       chunk_ = {place.record, unpacked(record), 0};
@@ -138,7 +157,7 @@ std::optional<RecordedMessage> BagReader::next() {
       continue;
     }
     if (position_ >= size_) {
-      is_whole_ = has_index_;
+      is_whole_ = index_ != 0;
       return std::nullopt;
     }
     const auto record = read_record(position_);

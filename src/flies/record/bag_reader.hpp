@@ -27,7 +27,7 @@ class BagReader final : public RecordingReader {
     std::string topic, type;
   };
   struct Record {
-    std::map<std::string, std::string, std::less<>> fields;
+    std::map<std::string, std::string, std::less<>> fields;  ///< empty when they are damaged
     std::string data;
     std::size_t length = 0;  ///< of the record in its file or chunk
 
@@ -43,6 +43,8 @@ class BagReader final : public RecordingReader {
   std::optional<Record> read_record(std::uint64_t position);
   std::optional<Record> next_in_chunk(Chunk& chunk) const;
   std::optional<RecordedMessage> take(const Record& record, const MessagePlace& place);
+  const Connection& connection(std::uint64_t id);
+  void read_index();
   std::string unpacked(const Record& chunk) const;
   [[noreturn]] void complain(const std::string& what) const;
 
@@ -51,7 +53,8 @@ class BagReader final : public RecordingReader {
   std::uint64_t size_ = 0, position_ = 0;  ///< of the file, and of its next record
   Chunk chunk_, chunk_at_;                 ///< of `next` and of `at`
   std::map<std::uint64_t, Connection> connections_;
-  bool has_index_ = false, is_whole_ = false;
+  std::uint64_t index_ = 0;  ///< where the connections stand again; 0: the recorder did not come to its end
+  bool is_whole_ = false, has_read_index_ = false;
 };
 
 }  // namespace flies

@@ -63,6 +63,37 @@ std::string McapReader::unpacked(const std::string& chunk) const {
   return result;
 }
 
+/// The channel of a message. Where the chunk that says it is damaged, the end of the file says it again.
+const McapReader::Channel& McapReader::channel(std::uint16_t id) {
+  if (!channels_.contains(id) && !has_summary_) read_summary();
+  const auto found = channels_.find(id);
+  if (found == channels_.end()) complain("a message is of no channel");
+  return found->second;
+}
+
+/// The channels that the end of the file says, if it has one: the footer tells where.
+void McapReader::read_summary() {
+  constexpr std::uint64_t kFooter = kRecordHead + 8 + 8 + 4;
+  has_summary_ = true;
+  if (size_ < 2 * kMagic.size() + kFooter) return;
+  const std::uint64_t footer_at = size_ - kMagic.size() - kFooter;
+  std::string footer(kFooter, '\0');
+  file_.clear();
+  file_.seekg(static_cast<std::streamoff>(footer_at));
+  if (!file_.read(footer.data(), static_cast<std::streamsize>(footer.size()))) return;
+  ByteTaker taker(footer);
+  if (static_cast<Opcode>(taker.number(1)) != Opcode::footer) return;
+  taker.number(8);
+  std::uint64_t at = taker.number(8);
+  while (at >= kMagic.size() && at < footer_at) {
+    const auto record = read_record(at);
+    if (!record) return;
+    const auto opcode = static_cast<Opcode>(record->opcode);
+    if (opcode == Opcode::schema || opcode == Opcode::channel) take(*record, {});
+    at += record->length;
+  }
+}
+
 /// What a record says; a message when it is one.
 std::optional<RecordedMessage> McapReader::take(const Record& record, const MessagePlace& place) {
   ByteTaker taker(record.content);
@@ -83,14 +114,13 @@ std::optional<RecordedMessage> McapReader::take(const Record& record, const Mess
       break;
     }
     case Opcode::message: {
-      const auto found = channels_.find(static_cast<std::uint16_t>(taker.number(2)));
+      const auto id = static_cast<std::uint16_t>(taker.number(2));
       taker.number(4);
       const std::uint64_t time_ns = taker.number(8);
       taker.number(8);
-      if (!taker.is_good || found == channels_.end()) complain("a message is damaged or of no channel");
-      const auto& channel = found->second;
-      return RecordedMessage{channel.topic, channel.schema_name,       channel.encoding,
-                             time_ns,       std::string(taker.rest()), place};
+      if (!taker.is_good) complain("a message is damaged");
+      const Channel& own = channel(id);
+      return RecordedMessage{own.topic, own.schema_name, own.encoding, time_ns, std::string(taker.rest()), place};
     }
     case Opcode::chunk:
       chunk_ = {place.record, unpacked(record.content), 0};
@@ -130,8 +160,11 @@ std::optional<McapReader::Record> McapReader::next_in_chunk(Chunk& chunk) const 
   record.opcode = static_cast<std::uint8_t>(taker.number(1));
   record.content = std::string(taker.take(taker.number(8)));
   record.length = kRecordHead + record.content.size();
-  if (!taker.is_good) complain("a chunk is damaged");
-  if (static_cast<Opcode>(record.opcode) == Opcode::chunk) complain("a chunk holds another");
+  const bool is_chunk = static_cast<Opcode>(record.opcode) == Opcode::chunk;
+  if (!taker.is_good || is_chunk) {
+    chunk.position = chunk.records.size();  // what follows is no better
+    complain(is_chunk ? "a chunk holds another" : "a chunk is damaged");
+  }
   chunk.position += record.length;
   return record;
 }

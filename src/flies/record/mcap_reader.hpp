@@ -41,6 +41,8 @@ class McapReader final : public RecordingReader {
   std::optional<Record> read_record(std::uint64_t position);
   std::optional<Record> next_in_chunk(Chunk& chunk) const;
   std::optional<RecordedMessage> take(const Record& record, const MessagePlace& place);
+  const Channel& channel(std::uint16_t id);
+  void read_summary();
   std::string unpacked(const std::string& chunk) const;
   [[noreturn]] void complain(const std::string& what) const;
 
@@ -50,7 +52,7 @@ class McapReader final : public RecordingReader {
   Chunk chunk_, chunk_at_;                 ///< of `next` and of `at`
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, Channel> channels_;
-  bool is_whole_ = false, has_ended_ = false;
+  bool is_whole_ = false, has_ended_ = false, has_summary_ = false;
 };
 
 }  // namespace flies

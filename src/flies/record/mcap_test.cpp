@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -117,6 +118,41 @@ TEST(Mcap, DamagedFilesAreToldOrReadInPart) {
     }
   }
   EXPECT_GT(told, 10);
+}
+
+/// A damaged chunk costs what is in it, wherever it is: the end of the file says the channels again.
+TEST(Mcap, DamagedChunksArePassedOver) {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder.file("t.mcap");
+  write_some(path, 40);
+  McapReader whole(path);
+  std::map<std::uint64_t, std::size_t> messages_in;  // chunks, by their places
+  while (const auto message = whole.next()) ++messages_in[message->place.record];
+  ASSERT_GT(messages_in.size(), 2U);
+  const std::string good = testing::read_all(path);
+  for (const auto& [chunk, messages] : messages_in) {
+    constexpr std::size_t kChecksum = mcap::kRecordHead + 8 + 8 + 8;
+    std::string bad = good;
+    bad[chunk + kChecksum] = static_cast<char>(bad[chunk + kChecksum] ^ 0x55);
+    McapReader reader(folder.write("bad.mcap", bad));
+    std::size_t read = 0, faults = 0;
+    for (bool goes_on = true; goes_on;) {
+      try {
+        const auto message = reader.next();
+        goes_on = message.has_value();
+        if (message) {
+          ++read;
+          EXPECT_TRUE(message->topic == "/a" || message->topic == "/b");
+        }
+      } catch (const InputError& fault) {
+        EXPECT_THAT(fault.what(), HasSubstr("a chunk is damaged"));
+        ++faults;
+      }
+    }
+    EXPECT_EQ(read, 40 - messages);
+    EXPECT_EQ(faults, 1U);
+    EXPECT_TRUE(reader.is_whole());
+  }
 }
 
 /// The beginning of a recording, a record of a tebibyte of which nothing is stored, and the rest.

@@ -28,7 +28,8 @@ class RecordingReader {
   virtual ~RecordingReader() = default;
 
   /// The next message in the order of the file; nothing at its end, also where it was cut off.
-  /// @throws InputError naming the file when a chunk is damaged or compressed in an unknown way
+  /// @throws InputError naming the file when a chunk or a message is damaged, or compressed in an unknown way; the next
+  ///         call goes on behind it
   virtual std::optional<RecordedMessage> next() = 0;
 
   /// The message at a place that `next` told, in any order. Its chunk is kept for the next call.

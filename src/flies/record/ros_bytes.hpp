@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -65,8 +66,10 @@ inline std::string ros_image(bool is_cdr, std::uint64_t stamp_ns, int width, int
 
 /// sensor_msgs/CameraInfo with K = P, no rotation.
 /// @param shift P's fourth number, minus focal length times baseline
+/// @param binning_and_roi binning_x, binning_y; x_offset, y_offset, height, width
 inline std::string ros_camera_info(bool is_cdr, int width, int height, double focal_px, double shift,
-                                   const std::vector<double>& distortion = {}, double cx = 320, double cy = 192) {
+                                   const std::vector<double>& distortion = {}, double cx = 320, double cy = 192,
+                                   const std::array<std::uint32_t, 6>& binning_and_roi = {}) {
   RosBytes info(is_cdr);
   info.header(1, 2).number(static_cast<std::uint32_t>(height)).number(static_cast<std::uint32_t>(width));
   info.text("plumb_bob").number(static_cast<std::uint32_t>(distortion.size()));
@@ -74,7 +77,7 @@ inline std::string ros_camera_info(bool is_cdr, int width, int height, double fo
   for (const double k : {focal_px, 0.0, cx, 0.0, focal_px, cy, 0.0, 0.0, 1.0}) info.number(k);
   for (const double r : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) info.number(r);
   for (const double p : {focal_px, 0.0, cx, shift, 0.0, focal_px, cy, 0.0, 0.0, 0.0, 1.0, 0.0}) info.number(p);
-  for (int i = 0; i < 6; ++i) info.number(std::uint32_t{0});  // binning and region of interest
+  for (const std::uint32_t number : binning_and_roi) info.number(number);
   return info.number(std::uint8_t{0}).bytes();
 }
 

@@ -7,15 +7,15 @@
 
 namespace flies {
 
-/// The calibration of a pair of cameras of ROS. Of pictures that are not rectified it has a rectifier, made of K, D and
-/// R; of rectified ones the projections P count.
-/// @param is_rectified the pictures are those of image_rect, or both cameras have neither distortion nor rotation
+/// The calibration of a pair of cameras of ROS, read as files with the same numbers are. Of pictures that are raw it
+/// has a rectifier, made of K, D, R and P; of rectified ones P counts.
+/// @param request whether the pictures are raw, their size, and what the user overrules
 /// @param source names the file in errors
-/// @throws InputError when P, K or D give no side-by-side stereo camera, or the distortion has an unknown model
-Calibration ros_calibration(const RosCameraInfo& left, const RosCameraInfo& right, bool is_rectified,
+/// @throws InputError when the cameras are not calibrated or no side-by-side pair, or the lens has an unknown model
+Calibration ros_calibration(const RosCameraInfo& left, const RosCameraInfo& right, const CalibrationRequest& request,
                             const std::string& source);
 
-/// Whether pictures of this camera are rectified as they are: no distortion, no rotation.
+/// Whether the pictures of this camera are rectified as it gives them: no distortion, no rotation, and P is K.
 bool is_rectified_by_nature(const RosCameraInfo& camera);
 
 }  // namespace flies

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "flies/core/error.hpp"
+#include "flies/io/gray_levels.hpp"
 #include "flies/io/image_codecs.hpp"
 #include "flies/io/image_file.hpp"
 
@@ -84,7 +85,7 @@ struct PixelFormat {
   int type;        ///< of OpenCV
   int conversion;  ///< to grey; -1: is grey
 };
-constexpr std::array<PixelFormat, 11> kFormats = {{{"mono8", CV_8UC1, -1},
+constexpr std::array<PixelFormat, 18> kFormats = {{{"mono8", CV_8UC1, -1},
                                                    {"8UC1", CV_8UC1, -1},
                                                    {"rgb8", CV_8UC3, cv::COLOR_RGB2GRAY},
                                                    {"bgr8", CV_8UC3, cv::COLOR_BGR2GRAY},
@@ -94,19 +95,16 @@ constexpr std::array<PixelFormat, 11> kFormats = {{{"mono8", CV_8UC1, -1},
                                                    {"8UC4", CV_8UC4, cv::COLOR_BGRA2GRAY},
                                                    {"mono16", CV_16UC1, -1},
                                                    {"16UC1", CV_16UC1, -1},
+                                                   {"rgb16", CV_16UC3, cv::COLOR_RGB2GRAY},
+                                                   {"bgr16", CV_16UC3, cv::COLOR_BGR2GRAY},
+                                                   {"16UC3", CV_16UC3, cv::COLOR_BGR2GRAY},
+                                                   {"rgba16", CV_16UC4, cv::COLOR_RGBA2GRAY},
+                                                   {"bgra16", CV_16UC4, cv::COLOR_BGRA2GRAY},
+                                                   {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2},
+                                                   {"yuyv", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2},
                                                    {"yuv422", CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}}};
 
-GrayImage gray_of(cv::Mat pixels, int conversion) {
-  cv::Mat gray;
-  if (conversion >= 0)
-    cv::cvtColor(pixels, gray, conversion);
-  else
-    pixels.convertTo(gray, CV_8U, pixels.depth() == CV_16U ? 1.0 / 256.0 : 1.0);
-  if (!gray.isContinuous()) gray = gray.clone();
-  return {gray.cols, gray.rows, std::vector<std::uint8_t>(gray.datastart, gray.dataend)};
-}
-
-GrayImage plain_picture(RosFields& fields, const std::string& name) {
+cv::Mat plain_picture(RosFields& fields, const std::string& name) {
   const auto height = fields.number<std::uint32_t>(), width = fields.number<std::uint32_t>();
   const std::string encoding = fields.text();
   const bool is_big_endian = fields.number<std::uint8_t>() != 0;
@@ -127,27 +125,30 @@ GrayImage plain_picture(RosFields& fields, const std::string& name) {
   cv::Mat pixels(static_cast<int>(height), static_cast<int>(width), format->type);
   for (int v = 0; v < pixels.rows; ++v)
     std::memcpy(pixels.ptr(v), data.data() + static_cast<std::size_t>(v) * step, width * pixel_bytes);
-  if (is_big_endian && pixels.depth() == CV_16U)
-    for (auto pixel = pixels.begin<std::uint16_t>(); pixel != pixels.end<std::uint16_t>(); ++pixel)
-      *pixel = static_cast<std::uint16_t>(*pixel << 8 | *pixel >> 8);
-  return gray_of(pixels, format->conversion);
+  if (is_big_endian && pixels.depth() == CV_16U) {
+    cv::Mat levels = pixels.reshape(1);  // which shares them
+    for (auto level = levels.begin<std::uint16_t>(); level != levels.end<std::uint16_t>(); ++level)
+      *level = static_cast<std::uint16_t>(*level << 8 | *level >> 8);
+  }
+  cv::Mat gray = pixels;
+  if (format->conversion >= 0) cv::cvtColor(pixels, gray, format->conversion);
+  return gray;
 }
 
-GrayImage compressed_picture(RosFields& fields, const std::string& name) {
+cv::Mat compressed_picture(RosFields& fields, const std::string& name) {
   fields.text();  // the format, which the bytes tell as well
-  return gray_picture(fields.byte_list(), name);
+  return picture_of_file(fields.byte_list(), name);
 }
 
 }  // namespace
 
-GrayImage gray_picture(std::string_view bytes, const std::string& name) {
+cv::Mat picture_of_file(std::string_view bytes, const std::string& name) {
   if (const auto fault = detail::image_file_fault(std::string(bytes)); !fault.empty())
     throw InputError(name, "", fault);
   const cv::Mat pixels = decode_image(bytes);
-  if (pixels.empty() || pixels.depth() != CV_8U) throw InputError(name, "", "is no picture of 8 bits");
-  return gray_of(pixels, pixels.channels() == 1   ? -1
-                         : pixels.channels() == 4 ? static_cast<int>(cv::COLOR_BGRA2GRAY)
-                                                  : static_cast<int>(cv::COLOR_BGR2GRAY));
+  if (pixels.empty() || (pixels.depth() != CV_8U && pixels.depth() != CV_16U))
+    throw InputError(name, "", "is no picture of 8 or 16 bits");
+  return gray_levels(pixels);
 }
 
 RosType ros_type(const RecordedMessage& message) {
@@ -166,7 +167,7 @@ std::uint64_t ros_stamp_ns(const RecordedMessage& message, const std::string& na
   return RosFields(message, name).header();
 }
 
-GrayImage ros_picture(const RecordedMessage& message, const std::string& name) {
+cv::Mat ros_picture(const RecordedMessage& message, const std::string& name) {
   RosFields fields(message, name);
   fields.header();
   return ros_type(message) == RosType::image ? plain_picture(fields, name) : compressed_picture(fields, name);
@@ -176,16 +177,25 @@ RosCameraInfo ros_camera_info(const RecordedMessage& message, const std::string&
   RosFields fields(message, name);
   fields.header();
   RosCameraInfo info;
-  const auto height = fields.number<std::uint32_t>(), width = fields.number<std::uint32_t>();
-  if (height > kMaxSide_px || width > kMaxSide_px)
-    throw InputError(name, "size", fmt::format("found {} x {} px, which no camera has", width, height));
-  info.width_px = static_cast<int>(width);
-  info.height_px = static_cast<int>(height);
+  info.topic = message.topic;
+  const auto pixels = [&](const char* field) {
+    const auto count = fields.number<std::uint32_t>();
+    if (count > kMaxSide_px) throw InputError(name, field, fmt::format("found {} px, which no camera has", count));
+    return static_cast<int>(count);
+  };
+  info.height_px = pixels("height");
+  info.width_px = pixels("width");
   info.distortion_model = fields.text();
   info.distortion = fields.number_list();
   fields.fill(info.intrinsics);
   fields.fill(info.rectification);
   fields.fill(info.projection);
+  info.binning_x = pixels("binning_x");
+  info.binning_y = pixels("binning_y");
+  info.window.x_px = pixels("roi.x_offset");
+  info.window.y_px = pixels("roi.y_offset");
+  info.window.height_px = pixels("roi.height");
+  info.window.width_px = pixels("roi.width");
   return info;
 }
 

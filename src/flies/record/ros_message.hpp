@@ -6,8 +6,11 @@
 #include <string_view>
 #include <vector>
 
-#include "flies/io/gray_image.hpp"
 #include "flies/record/recorded_message.hpp"
+
+namespace cv {
+class Mat;
+}
 
 namespace flies {
 
@@ -22,23 +25,29 @@ RosType ros_type(const RecordedMessage& message);
 /// @throws InputError when the message ends before its stamp
 std::uint64_t ros_stamp_ns(const RecordedMessage& message, const std::string& name);
 
-/// The picture of an image message, grey. Image: mono8, rgb8, bgr8, rgba8, bgra8, 8UC1, 8UC3, 8UC4, yuv422, mono16 and
-/// 16UC1 (the upper 8 bits). CompressedImage: JPEG or PNG of 8 bits.
+/// The picture of an image message: grey levels of 8 or 16 bits, for `pair_of_levels`. Image: mono, rgb, bgr, rgba and
+/// bgra of 8 or 16 bits, 8UC1, 8UC3, 8UC4, 16UC1, 16UC3, yuv422 and yuv422_yuy2. CompressedImage: JPEG or PNG.
 /// @throws InputError naming the message: another encoding, too few bytes, a damaged picture
-GrayImage ros_picture(const RecordedMessage& message, const std::string& name);
+cv::Mat ros_picture(const RecordedMessage& message, const std::string& name);
 
-/// A JPEG or PNG file of 8 bits in memory, grey.
+/// The same of a JPEG or PNG file in memory.
 /// @throws InputError naming it
-GrayImage gray_picture(std::string_view bytes, const std::string& name);
+cv::Mat picture_of_file(std::string_view bytes, const std::string& name);
 
-/// sensor_msgs/CameraInfo.
+/// sensor_msgs/CameraInfo. All numbers are of the pixels of whole images.
 struct RosCameraInfo {
+  std::string topic;  ///< where it came
   int width_px = 0, height_px = 0;
   std::string distortion_model;           ///< plumb_bob, rational_polynomial, equidistant; empty: none
   std::vector<double> distortion;         ///< D
   std::array<double, 9> intrinsics{};     ///< K, row by row
   std::array<double, 9> rectification{};  ///< R: rectified_from_camera, row by row
   std::array<double, 12> projection{};    ///< P, row by row
+  int binning_x = 0, binning_y = 0;       ///< pixels of whole images that became one; 0: 1
+  /// The part of the images that was given; 0 x 0: all.
+  struct Window {
+    int x_px = 0, y_px = 0, width_px = 0, height_px = 0;
+  } window;
 };
 
 /// @throws InputError naming the message when it ends too early

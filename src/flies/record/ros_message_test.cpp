@@ -3,15 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <opencv2/core.hpp>
 
 #include "flies/core/error.hpp"
+#include "flies/io/image_codecs.hpp"
 #include "flies/record/ros_bytes.hpp"
-#include "flies/record/ros_calibration.hpp"
 
 namespace flies {
 namespace {
 
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -23,6 +24,12 @@ RecordedMessage message_of(bool is_cdr, const std::string& type, std::string dat
           .time_ns = 0,
           .data = std::move(data),
           .place = {}};
+}
+
+std::vector<int> levels_of(const cv::Mat& picture) {
+  cv::Mat levels;
+  picture.convertTo(levels, CV_32S);
+  return {levels.begin<int>(), levels.end<int>()};
 }
 
 TEST(RosMessages, KnowsTypesOfBothVersions) {
@@ -45,23 +52,41 @@ TEST_P(RosMessage, PicturesBecomeGrey) {
   const std::string rows("\x0A\x14\x1E\xFF\x28\x32\x3C\xFF", 8);  // a byte between the rows
   const auto message = message_of(is_cdr, "Image", testing::ros_image(is_cdr, 5'000'000'007U, 3, 2, "mono8", 4, rows));
   EXPECT_EQ(ros_stamp_ns(message, "m"), 5'000'000'007U);
-  const GrayImage gray = ros_picture(message, "m");
-  EXPECT_EQ(gray.width_px, 3);
-  EXPECT_THAT(gray.pixels, ElementsAre(10, 20, 30, 40, 50, 60));
+  const cv::Mat gray = ros_picture(message, "m");
+  EXPECT_EQ(gray.cols, 3);
+  EXPECT_THAT(levels_of(gray), ElementsAre(10, 20, 30, 40, 50, 60));
 
   const std::string red("\xFF\0\0", 3);
   const auto color = [&](const char* encoding) {
-    return ros_picture(message_of(is_cdr, "Image", testing::ros_image(is_cdr, 1, 1, 1, encoding, 3, red)), "m").pixels;
+    return levels_of(
+        ros_picture(message_of(is_cdr, "Image", testing::ros_image(is_cdr, 1, 1, 1, encoding, 3, red)), "m"));
   };
   EXPECT_THAT(color("rgb8"), ElementsAre(76));  // ITU-R BT.601
   EXPECT_THAT(color("bgr8"), ElementsAre(29));
 
-  const auto deep = [&](bool is_big_endian, const std::string& bytes) {
-    const auto data = testing::ros_image(is_cdr, 1, 1, 1, "mono16", 2, bytes, is_big_endian);
-    return ros_picture(message_of(is_cdr, "Image", data), "m").pixels;
+  const std::string yuv("\x0A\x80\x14\x80", 4);
+  for (const char* encoding : {"yuv422_yuy2", "yuyv"}) {
+    const auto pair = message_of(is_cdr, "Image", testing::ros_image(is_cdr, 1, 2, 1, encoding, 4, yuv));
+    EXPECT_THAT(levels_of(ros_picture(pair, "m")), ElementsAre(10, 20)) << encoding;
+  }
+}
+
+TEST_P(RosMessage, PicturesOf16BitsKeepThem) {
+  const bool is_cdr = GetParam();
+  const auto deep = [&](const char* encoding, bool is_big_endian, const std::string& bytes) {
+    const auto data =
+        testing::ros_image(is_cdr, 1, 1, 1, encoding, static_cast<int>(bytes.size()), bytes, is_big_endian);
+    return levels_of(ros_picture(message_of(is_cdr, "Image", data), "m"));
   };
-  EXPECT_THAT(deep(false, std::string("\x00\x40", 2)), ElementsAre(64));
-  EXPECT_THAT(deep(true, std::string("\x40\x00", 2)), ElementsAre(64));
+  EXPECT_THAT(deep("mono16", false, std::string("\x34\x12", 2)), ElementsAre(0x1234));
+  EXPECT_THAT(deep("mono16", true, std::string("\x12\x34", 2)), ElementsAre(0x1234));
+  EXPECT_THAT(deep("rgb16", false, std::string("\0\x10\0\0\0\0", 6)), ElementsAre(1225));  // of red 4096
+  EXPECT_THAT(deep("bgr16", true, std::string("\0\0\0\0\x10\0", 6)), ElementsAre(1225));
+
+  const auto png = encode_png(cv::Mat(3, 4, CV_16UC1, cv::Scalar(0x0123)));
+  const std::string file(png.begin(), png.end());
+  const auto text = testing::RosBytes(is_cdr).header(1, 2).text("mono16; png compressed ").list(file).bytes();
+  EXPECT_THAT(levels_of(ros_picture(message_of(is_cdr, "CompressedImage", text), "m")), Each(0x0123));
 }
 
 TEST_P(RosMessage, WhatCannotBeReadIsNamed) {
@@ -84,63 +109,26 @@ TEST_P(RosMessage, WhatCannotBeReadIsNamed) {
               ThrowsMessage<InputError>(HasSubstr("m: ")));
 }
 
-TEST_P(RosMessage, CameraInfoGivesTheCalibration) {
+TEST_P(RosMessage, CameraInfoIsReadToItsEnd) {
   const bool is_cdr = GetParam();
-  const auto info = [&](double shift, const std::vector<double>& distortion) {
-    return ros_camera_info(
-        message_of(is_cdr, "CameraInfo", testing::ros_camera_info(is_cdr, 640, 480, 500, shift, distortion)), "m");
-  };
-  const RosCameraInfo left = info(0.0, {}), right = info(-60.0, {});
-  EXPECT_EQ(left.width_px, 640);
-  EXPECT_EQ(left.distortion_model, "plumb_bob");
-  EXPECT_TRUE(is_rectified_by_nature(left));
-  const Calibration rectified = ros_calibration(left, right, true, "f");
-  EXPECT_FALSE(rectified.rectifier.has_value());
-  EXPECT_DOUBLE_EQ(rectified.camera.baseline_m, 0.12);
-  EXPECT_DOUBLE_EQ(rectified.camera.fx_px, 500);
-  EXPECT_DOUBLE_EQ(rectified.camera.cy_px, 192);
-
-  const RosCameraInfo bent_left = info(0.0, {-0.1, 0.01, 0, 0, 0}), bent_right = info(-60.0, {-0.1, 0.01, 0, 0, 0});
-  EXPECT_FALSE(is_rectified_by_nature(bent_left));
-  const Calibration raw = ros_calibration(bent_left, bent_right, false, "f");
-  ASSERT_TRUE(raw.rectifier.has_value());
-  EXPECT_NEAR(raw.camera.baseline_m, 0.12, 1e-9);
-
-  EXPECT_THAT([&] { ros_calibration(right, left, true, "f"); },
-              ThrowsMessage<InputError>(HasSubstr("are left and right swapped?")));
-  for (const std::size_t number : {0U, 5U, 6U}) {  // fx, fy, cy
-    RosCameraInfo other = right;
-    other.projection[number] += 30.0;
-    EXPECT_THAT([&] { ros_calibration(left, other, true, "f"); },
-                ThrowsMessage<InputError>(HasSubstr("in both images of a rectified pair")));
-  }
-  RosCameraInfo far = bent_right;
-  far.projection[3] = -1e9;
-  EXPECT_THAT([&] { ros_calibration(bent_left, far, false, "f"); }, ThrowsMessage<InputError>(HasSubstr("baseline")));
-  RosCameraInfo odd = bent_left;
-  odd.distortion_model = "thin_prism";
-  EXPECT_THAT([&] { ros_calibration(odd, bent_right, false, "f"); },
-              ThrowsMessage<InputError>(HasSubstr("distortion_model: found 'thin_prism'")));
-}
-
-/// A turned right camera: R of both give the rotation between them back.
-TEST(RosCalibration, RotationsOfBothCamerasAreUsed) {
-  RosCameraInfo left, right;
-  for (RosCameraInfo* camera : {&left, &right}) {
-    camera->width_px = 640;
-    camera->height_px = 480;
-    camera->intrinsics = {500, 0, 320, 0, 500, 240, 0, 0, 1};
-    camera->distortion = {0, 0, 0, 0, 0};
-    camera->projection = {500, 0, 320, 0, 0, 500, 240, 0, 0, 0, 1, 0};
-  }
-  right.projection[3] = -50;
-  const double c = std::cos(0.02), s = std::sin(0.02);
-  left.rectification = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  right.rectification = {c, 0, s, 0, 1, 0, -s, 0, c};
-  const Calibration calibration = ros_calibration(left, right, false, "f");
-  ASSERT_TRUE(calibration.rectifier.has_value());
-  EXPECT_NEAR(calibration.camera.baseline_m, 0.1, 1e-6);
-  EXPECT_NEAR(calibration.camera.fx_px, 500, 25);
+  const std::string bytes =
+      testing::ros_camera_info(is_cdr, 640, 480, 500, -60, {-0.1, 0.01, 0, 0, 0}, 320, 192, {2, 3, 4, 5, 6, 7});
+  const auto info = ros_camera_info(message_of(is_cdr, "CameraInfo", bytes), "m");
+  EXPECT_EQ(info.topic, "/t");
+  EXPECT_EQ(info.width_px, 640);
+  EXPECT_EQ(info.height_px, 480);
+  EXPECT_EQ(info.distortion_model, "plumb_bob");
+  EXPECT_THAT(info.distortion, ElementsAre(-0.1, 0.01, 0, 0, 0));
+  EXPECT_EQ(info.intrinsics[5], 192);
+  EXPECT_EQ(info.projection[3], -60);
+  EXPECT_EQ(info.binning_x, 2);
+  EXPECT_EQ(info.binning_y, 3);
+  EXPECT_EQ(info.window.x_px, 4);
+  EXPECT_EQ(info.window.y_px, 5);
+  EXPECT_EQ(info.window.height_px, 6);
+  EXPECT_EQ(info.window.width_px, 7);
+  for (std::size_t size = 0; size + 1 < bytes.size(); size += 3)
+    EXPECT_THROW(ros_camera_info(message_of(is_cdr, "CameraInfo", bytes.substr(0, size)), "m"), InputError) << size;
 }
 
 TEST(RosMessages, BytesOfEitherOrderAreRead) {

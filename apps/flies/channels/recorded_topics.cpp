@@ -1,0 +1,98 @@
+#include "channels/recorded_topics.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+namespace {
+
+constexpr std::string_view kCompressed = "/compressed";
+constexpr std::string_view kRight = "right", kLeft = "left";
+
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+bool is_capital(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
+
+std::string in_small_letters(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// Where a name says "right", in whatever letters.
+std::vector<std::size_t> places_of_right(const std::string& topic) {
+  const std::string small = in_small_letters(topic);
+  std::vector<std::size_t> places;
+  for (auto at = small.find(kRight); at != std::string::npos; at = small.find(kRight, at + kRight.size()))
+    places.push_back(at);
+  return places;
+}
+
+/// Whether it stands alone there, unlike in "rightarm" and "bright".
+bool is_whole_word(const std::string& topic, std::size_t at) {
+  const std::size_t end = at + kRight.size();
+  return (at == 0 || !is_letter(topic[at - 1])) && (end == topic.size() || !is_letter(topic[end]));
+}
+
+/// The name with left for right at these places, in ascending order.
+std::string with_left(std::string topic, const std::vector<std::size_t>& places) {
+  for (auto at = places.rbegin(); at != places.rend(); ++at) {
+    std::string left(kLeft);
+    for (std::size_t i = 0; i < left.size(); ++i)
+      if (is_capital(topic[*at + i])) left[i] = static_cast<char>(std::toupper(static_cast<unsigned char>(left[i])));
+    topic.replace(*at, kRight.size(), left);
+  }
+  return topic;
+}
+
+/// The topic of the left pictures to that of right ones, of those that there are. A name may say "right" of more than
+/// the camera: whole words count before parts of words, all of them before each alone.
+std::optional<std::string> left_of(const std::string& topic, const std::vector<std::string>& topics) {
+  const auto places = places_of_right(topic);
+  std::vector<std::size_t> words;
+  std::ranges::copy_if(places, std::back_inserter(words), [&](std::size_t at) { return is_whole_word(topic, at); });
+  std::vector<std::vector<std::size_t>> choices = {words};
+  for (const std::size_t at : words) choices.push_back({at});
+  choices.push_back(places);
+  for (const std::size_t at : places) choices.push_back({at});
+  for (const auto& choice : choices)
+    if (auto left = with_left(topic, choice); !choice.empty() && std::ranges::find(topics, left) != topics.end())
+      return left;
+  return std::nullopt;
+}
+
+/// How far from what is wanted the pictures of a topic are.
+auto rank(const std::string& topic) { return std::pair(!is_called_rectified(topic), topic.ends_with(kCompressed)); }
+
+/// And among those of one camera: grey ones, then coloured ones, then what may be a mosaic of colours.
+int rank_in_camera(const std::string& topic) {
+  const std::string name = topic.substr(camera_info_topic(topic).rfind('/') + 1);
+  const auto has = [&](std::string_view word) { return name.find(word) != std::string::npos; };
+  if (has("color") || has("colour")) return 1;
+  return has("raw") ? 2 : 0;
+}
+
+}  // namespace
+
+std::string camera_info_topic(std::string pictures) {
+  if (pictures.ends_with(kCompressed)) pictures.resize(pictures.size() - kCompressed.size());
+  return pictures.substr(0, pictures.rfind('/') + 1) + "camera_info";
+}
+
+bool is_called_rectified(const std::string& pictures) { return pictures.find("image_rect") != std::string::npos; }
+
+std::optional<std::array<std::string, 2>> stereo_topics(const std::vector<std::string>& topics) {
+  std::vector<std::array<std::string, 2>> found;
+  for (const auto& topic : topics)
+    if (const auto left = left_of(topic, topics)) found.push_back({*left, topic});
+  if (found.empty()) return std::nullopt;
+  const auto right_of = [](const std::array<std::string, 2>& pair) -> const std::string& { return pair[1]; };
+  const auto least = [](const std::string& topic) {
+    return std::tuple(rank(topic), rank_in_camera(topic), topic.size(), topic);
+  };
+  const auto best = *std::ranges::min_element(found, {}, [&](const auto& pair) { return least(right_of(pair)); });
+  const bool is_clear = std::ranges::all_of(found, [&](const auto& pair) {
+    return rank(pair[1]) != rank(best[1]) || camera_info_topic(pair[1]) == camera_info_topic(best[1]);
+  });
+  return is_clear ? std::optional(best) : std::nullopt;
+}
