@@ -1,7 +1,7 @@
 // recording_test.mjs FLIES WORK: recordings and the WebSocket server, read by the formats' own packages. Status 77: skipped.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
-import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { open } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { join } from "node:path";
@@ -200,12 +200,14 @@ function streamed(path) {
 {
   const child = spawn(flies, [...source, "--loop", "--record", "killed.mcap", "--json", "killed.jsonl"], { cwd: work });
   const lines = () => existsSync(join(work, "killed.jsonl")) ? readFileSync(join(work, "killed.jsonl"), "utf8").split("\n").length - 1 : 0;
-  for (let i = 0; i < 600 && lines() < 40 && child.exitCode === null; ++i) await new Promise((resolve) => setTimeout(resolve, 100));
+  // The recorder lets others have the processor first, so that on a busy machine it may lag behind the lines.
+  const bytes = () => existsSync(join(work, "killed.mcap")) ? statSync(join(work, "killed.mcap")).size : 0;
+  const isEarly = () => lines() < 40 || bytes() < 4e6;
+  for (let i = 0; i < 1200 && isEarly() && child.exitCode === null; ++i) await new Promise((resolve) => setTimeout(resolve, 100));
   child.kill("SIGKILL");
   await new Promise((resolve) => child.on("exit", resolve));
   const messages = streamed(join(work, "killed.mcap"));
-  const pairs = readFileSync(join(work, "killed.jsonl"), "utf8").trim().split("\n").length;
-  assert.ok(messages.length > 12 * Math.min(5, pairs - 12), `${messages.length} messages of ${pairs} pairs`);
+  assert.ok(messages.length > 12 * 5, `${messages.length} messages in ${bytes()} bytes`);
   const run = spawnSync(flies, ["track", "killed.mcap", "--json", "-"], { cwd: work, encoding: "utf8", maxBuffer: 1 << 28 });
   assert.equal(run.status, 0, run.stderr);
   assert.match(run.stderr, /killed\.mcap: is cut off or damaged after \d+ pairs/);
