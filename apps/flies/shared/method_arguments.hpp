@@ -35,6 +35,9 @@ flies::DetectorOptions effective_options(const MethodArguments& arguments);
 /// The same for a camera: what the user has not set follows from it (`flies::fitted_options`); not for `paper`.
 flies::DetectorOptions effective_options(const MethodArguments& arguments, const flies::StereoCamera& camera);
 
+/// Corrections as told, which look for the road by the options of the run.
+RunCorrections corrections_for(RunCorrections corrections, const MethodArguments& arguments);
+
 /// Whether an option is of following (`flies::TrackerOptions`), not of finding in a pair.
 bool is_of_following(std::string_view path);
 
