@@ -95,6 +95,41 @@ TEST_F(Check, DetectMakesUpForRowsThatLieApartAndSaysSo) {
   EXPECT_NEAR(record.at("diagnosis").at("row_offset_px").get<double>(), 0.0, 0.2);
 }
 
+TEST_F(Check, DetectMakesUpForRowsWhateverTheExposure) {
+  write_low_right();
+  const std::string low = (folder.path() / "low.png").string();
+  cv::imwrite(low, cv::imread(low, cv::IMREAD_GRAYSCALE) * 0.7);
+  const RunResult result = detect("low.png");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("are exposure and gain of both cameras the same"));
+  const json record = json::parse(result.out);
+  EXPECT_NEAR(record.at("diagnosis").at("corrected_row_offset_px").get<double>(), kRows_px, 0.2);
+}
+
+TEST_F(Check, TellsAZoomOfOneCamera) {
+  cv::Mat zoomed;
+  const cv::Mat& right = street_pair().right;
+  cv::warpAffine(right, zoomed, cv::Matx23d(1.02, 0, -0.01 * right.cols, 0, 1.02, -0.01 * right.rows), right.size(),
+                 cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+  cv::imwrite((folder.path() / "zoomed.png").string(), zoomed);
+  EXPECT_THAT(check("zoomed.png").out, HasSubstr("% larger than the left one"));
+  EXPECT_THAT(check("right.png").out, Not(HasSubstr("larger")));
+}
+
+TEST_F(Check, DetectSaysOfTheRoadWhatItsOptionsFind) {
+  for (const Words& options : {Words{}, Words{"--preset", "robot"}, Words{"--road.x_max_m", "6"}}) {
+    const Words with_given = {"--mount", "given"};
+    for (const Words& mount : {Words{}, with_given}) {
+      Words more = options;
+      more.insert(more.end(), mount.begin(), mount.end());
+      const RunResult result = detect("right.png", more);
+      const json record = json::parse(result.out);
+      EXPECT_EQ(record.at("road").at("found"), record.at("diagnosis").at("road_found")) << options.size();
+      EXPECT_THAT(result.err, Not(HasSubstr("no road was found")));  // the mount is right
+    }
+  }
+}
+
 TEST_F(Check, DetectLeavesThemOnRequest) {
   write_low_right();
   const RunResult result = detect("low.png", {"--self-rectify", "off"});

@@ -113,6 +113,8 @@ std::string table(const Checked& checked) {
                                  d.rows->offset_px, d.rows->at(0.0), d.rows->at(2.0 * d.rows->middle_u_px),
                                  d.rows->corners, d.rows->scatter_px)
                    : "too few corners to tell");
+  if (d.rows && d.rows->growth != 0.0)
+    line("size", fmt::format("the right image {:+.1f} % larger than the left one", 100.0 * d.rows->growth));
   line("road", d.road_found ? "found" : "not found");
   const auto& mount = checked.mount().mount;
   line("camera", fmt::format("{:.2f} m above the road, {:.1f} degrees down, {:.1f} to the right: {}", mount.height_m,
@@ -140,6 +142,7 @@ std::string json(const Checked& checked) {
                                    {"contrast_gray", d.noise.contrast_gray},
                                    {"row_offset_px", nullptr},
                                    {"row_roll_rad", nullptr},
+                                   {"row_growth", nullptr},
                                    {"row_scatter_px", nullptr},
                                    {"nearer_above", nullptr},
                                    {"road_found", d.road_found},
@@ -153,6 +156,7 @@ std::string json(const Checked& checked) {
   if (d.rows) {
     object["row_offset_px"] = d.rows->offset_px;
     object["row_roll_rad"] = d.rows->slope;
+    object["row_growth"] = d.rows->growth;
     object["row_scatter_px"] = d.rows->scatter_px;
   }
   return object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

@@ -98,7 +98,8 @@ CalibratedRun calibrated(const DetectArguments& arguments, const std::vector<fli
   const Calibrate calibrate = [&](const flies::PairPaths& pair, const flies::RectifiedPair& images) {
     return calibration_of_files(arguments.calib, arguments.camera, pair, images);
   };
-  return calibrate_run(pairs, load, calibrate, arguments.calib, arguments.corrections);
+  return calibrate_run(pairs, load, calibrate, arguments.calib,
+                       corrections_for(arguments.corrections, arguments.method));
 }
 
 /// A record of nothing found.

@@ -163,7 +163,7 @@ bool has_one_camera(const flies::Dataset& dataset, const std::string& folder) {
 /// Makes up for rows as `flies detect` does, and adds what the images say to the notes.
 void look_at_images(const EvaluateArguments& arguments, const std::vector<std::size_t>& frames,
                     flies::Dataset& dataset) {
-  RunCorrections corrections = arguments.corrections;
+  RunCorrections corrections = corrections_for(arguments.corrections, arguments.method);
   corrections.find_mount = false;  // found already, if it was to be
   if (!has_one_camera(dataset, arguments.folder)) corrections.self_rectify = SelfRectify::off;
   flies::Calibration calibration;

@@ -120,6 +120,11 @@ flies::DetectorOptions effective_options(const MethodArguments& arguments, const
   return with_settings(is_as_published ? preset : flies::fitted_options(camera, preset), arguments);
 }
 
+RunCorrections corrections_for(RunCorrections corrections, const MethodArguments& arguments) {
+  corrections.options = [arguments](const flies::StereoCamera& camera) { return effective_options(arguments, camera); };
+  return corrections;
+}
+
 namespace {
 
 using Texts = std::vector<std::pair<std::string, std::string>>;

@@ -38,6 +38,9 @@ flies::DetectorOptions effective_options(const MethodArguments& arguments, const
 /// From where on things are looked for, metres: by the flies or by the scan.
 double nearest_range_m(const flies::DetectorOptions& options);
 
+/// Corrections as told, which look for the road by the options of the run.
+RunCorrections corrections_for(RunCorrections corrections, const MethodArguments& arguments);
+
 /// Whether an option is of following (`flies::TrackerOptions`), not of finding in a pair.
 bool is_of_following(std::string_view path);
 

@@ -8,7 +8,6 @@
 
 #include "flies/core/error.hpp"
 #include "flies/io/images.hpp"
-#include "flies/pipeline/detector.hpp"
 #include "shared/camera_arguments.hpp"
 
 namespace {
@@ -111,10 +110,22 @@ void keep_commonest_size(std::vector<SampledPair>& sample) {
   std::erase_if(sample, [&](const SampledPair& pair) { return size_of(pair) != commonest; });
 }
 
+flies::RoadOptions road_options(const flies::StereoCamera& camera, const RunCorrections& corrections) {
+  return (corrections.options ? corrections.options(camera) : flies::fitted_options(camera, {})).road;
+}
+
 flies::MountFinding mount_of(const std::vector<flies::GrayPair>& sample, const flies::StereoCamera& camera) {
   std::vector<flies::RectifiedPair> views;
   for (const auto& images : sample) views.push_back(images.view());
   return flies::find_mount(views, camera);
+}
+
+/// Whether the ground is where the mount says: asked of a mount that is to be used as given only where no road was
+/// found, so that it is not doubted because the run looks for the road elsewhere.
+bool is_mount_confirmed(const RunDiagnosis& run, const std::vector<flies::GrayPair>& sample,
+                        const flies::Calibration& calibration) {
+  if (run.road_is_found || !run.diagnosis.can_be_trusted()) return false;
+  return mount_of(sample, calibration.camera).is_confirmed;
 }
 
 }  // namespace
@@ -140,7 +151,7 @@ std::optional<flies::DiagnosisRecord> RunDiagnosis::record() const {
   record.textured_share = diagnosis.textured_share;
   record.matched_share = diagnosis.matched_share();
   record.beyond_share = diagnosis.beyond_share();
-  record.road_found = diagnosis.road_found;
+  record.road_found = road_is_found;
   if (diagnosis.rows) {
     record.row_offset_px = diagnosis.rows->offset_px;
     record.row_roll_rad = diagnosis.rows->slope;
@@ -166,7 +177,7 @@ RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibra
   run.is_known = true;
   const auto diagnose_now = [&] {
     std::vector<flies::PairDiagnosis> each;
-    const auto road = flies::fitted_options(calibration.camera, {}).road;
+    const auto road = road_options(calibration.camera, corrections);
     for (const auto& images : sample) each.push_back(flies::diagnose_pair(images.view(), calibration.camera, road));
     return flies::diagnose_run(each);
   };
@@ -185,8 +196,10 @@ RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibra
     calibration.camera.mount = run.mount.mount;
     if (run.mount.is_replaced) run.diagnosis = diagnose_now();
     if (const auto note = flies::mount_note(run.mount)) run.notes.push_back(*note);
-    run.diagnosis.road_found = run.diagnosis.road_found || run.mount.is_confirmed || run.mount.is_replaced;
   }
+  run.road_is_found = run.diagnosis.road_found;
+  run.diagnosis.road_found = run.road_is_found || run.mount.is_replaced || run.mount.is_confirmed ||
+                             (!corrections.find_mount && is_mount_confirmed(run, sample, calibration));
   if (run.mount.is_upside_down) run.diagnosis.nearer_above.reset();  // told by the note on the mount
   for (auto& complaint : flies::complaints(run.diagnosis)) run.notes.push_back(std::move(complaint));
   return run;

@@ -11,6 +11,7 @@
 #include "flies/io/images.hpp"
 #include "flies/io/pair_source.hpp"
 #include "flies/io/writers.hpp"
+#include "flies/pipeline/detector.hpp"
 #include "flies/road/find_mount.hpp"
 
 /// `--self-rectify`: whether errors of the rows are made up for.
@@ -24,6 +25,8 @@ enum class SelfRectify {
 struct RunCorrections {
   SelfRectify self_rectify = SelfRectify::automatic;
   bool find_mount = true;  ///< `--mount auto`: the mount is taken from the road where it clearly lies elsewhere
+  /// The options of the run for a camera, by which the road is looked for; empty: those of the default preset.
+  std::function<flies::DetectorOptions(const flies::StereoCamera&)> options = {};
 };
 
 void add_correction_options(CLI::App& command, RunCorrections& corrections);
@@ -33,10 +36,13 @@ void add_mount_option(CLI::App& command, bool& find_mount);
 
 /// What some pairs, spread evenly over a run, say about images and calibration.
 struct RunDiagnosis {
-  bool is_known = false;                      ///< false: no pair could be used
-  flies::PairDiagnosis diagnosis;             ///< of the images as they are used: after the correction, if any
+  bool is_known = false;  ///< false: no pair could be used
+  /// Of the images as they are used: after the correction, if any. Its road is also found where the mount's search
+  /// sees the ground where it was told to be.
+  flies::PairDiagnosis diagnosis;
   std::optional<flies::RowError> correction;  ///< what every pair's rows are corrected by
   flies::MountFinding mount;                  ///< how the camera is mounted
+  bool road_is_found = false;                 ///< by the options of the run, as its results have it in some pair
   std::vector<std::string> notes;             ///< sentences for the user
 
   void correct(flies::GrayPair& pair) const {

@@ -154,7 +154,7 @@ void run_track(TrackArguments arguments) {
   const CalibratedRun run = calibrate_run(
       source.pairs, [&](std::size_t i) { return source.load(i); },
       [&](const auto& pair, const auto& images) { return calibration_of(arguments, source, pair, images); },
-      source.calib, arguments.corrections);
+      source.calib, corrections_for(arguments.corrections, arguments.method));
   const flies::StereoCamera& camera = run.calibration.camera;
   const auto options = effective_options(arguments.method, camera);
   flies::Tracker tracker(camera, options, following, classifier);

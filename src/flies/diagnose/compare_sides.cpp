@@ -1,13 +1,10 @@
 #include "flies/diagnose/compare_sides.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <tuple>
 #include <utility>
 
 #include "flies/core/quantile.hpp"
@@ -16,8 +13,10 @@
 namespace flies {
 namespace {
 
-constexpr double kBlindShare = 0.1;
-constexpr double kBlurred = 0.6, kDimmed = 0.5;
+/// Neighbouring pixels differ by so many standard deviations of the noise that they have, in the mean.
+constexpr double kNoiseGradient = 1.128;
+/// What is left of gradients at least when those of noise are taken off, which are not known to more.
+constexpr double kLeastOfGradient = 0.25;
 
 /// Columns of the grid that a place may have moved by: a quarter of the width.
 constexpr int kReach = kCellGridColumns / 4;
@@ -27,9 +26,7 @@ constexpr int kPatchColumns = 40, kPatchRows = 16, kPatchReach = kPatchColumns /
 constexpr int kLeastCell_px = 8;
 constexpr double kFlat_gray = 1.5, kShown_gray = 4.0;
 constexpr double kWhite_gray = 230.0;  // glare, which one camera may see alone
-constexpr double kBlindPatch = 0.007, kLostRows = 0.005;
 constexpr int kSharpnessColumns = 6;
-constexpr double kBlurredPart = 0.3;
 
 struct Level {
   double mean_gray = 0.0, deviation_gray = 0.0;
@@ -77,7 +74,7 @@ int take_patch(PatchMask& mask, int row, int column) {
 }
 
 /// Of the cells, those of the largest patch of one level where the other image shows something between two columns
-/// beside each of them.
+/// beside each of them. Deviations are those of images of one contrast.
 double blind_patch(const PatchLevels& image, const PatchLevels& other, int from, int to) {
   PatchMask blind{};
   for (int row = 0; row < kPatchRows; ++row)
@@ -113,8 +110,15 @@ double lost_rows(const std::vector<double>& image, const std::vector<double>& ot
   return static_cast<double>(lost) / static_cast<double>(image.size());
 }
 
+/// Mean differences of neighbouring columns without what noise makes of them.
+double without_noise(double gradient_gray, double noise_gray) {
+  const double by_noise_gray = kNoiseGradient * noise_gray;
+  return std::sqrt(std::max(gradient_gray * gradient_gray - by_noise_gray * by_noise_gray,
+                            kLeastOfGradient * gradient_gray * kLeastOfGradient * gradient_gray));
+}
+
 /// Gradients over contrast of the columns between two.
-double sharpness_between(const GrayView& image, int first_u, int end_u) {
+double sharpness_between(const GrayView& image, int first_u, int end_u, double noise_gray) {
   double differences = 0.0;
   for (int v = 0; v < image.height_px; ++v) {
     const std::uint8_t* row = image.row(v);
@@ -123,13 +127,21 @@ double sharpness_between(const GrayView& image, int first_u, int end_u) {
     differences += row_differences;
   }
   const double pixels = static_cast<double>(end_u - first_u) * image.height_px;
-  return differences / pixels / std::max(level_of(image, first_u, end_u, 0, image.height_px).deviation_gray, 1.0);
+  return without_noise(differences / pixels, noise_gray) /
+         std::max(level_of(image, first_u, end_u, 0, image.height_px).deviation_gray, 1.0);
+}
+
+/// A fainter image shows less of a patch than the other one does, but no fewer patches.
+void bring_to_one_contrast(PatchLevels& left, PatchLevels& right, double contrast) {
+  PatchLevels& fainter = contrast < 1.0 ? right : left;
+  for (auto& level : fainter) level.deviation_gray /= std::max(std::min(contrast, 1.0 / contrast), 0.01);
 }
 
 /// What parts of the images say.
 void compare_parts(const RectifiedPair& pair, SideDifference& difference) {
   if (pair.left.width_px < kPatchColumns * kLeastCell_px || pair.left.height_px < kPatchRows * kLeastCell_px) return;
-  const PatchLevels left = patch_levels(pair.left), right = patch_levels(pair.right);
+  PatchLevels left = patch_levels(pair.left), right = patch_levels(pair.right);
+  bring_to_one_contrast(left, right, std::max(difference.contrast, 1e-3));
   difference.left_blind_patch = blind_patch(left, right, -kPatchReach, 0);
   difference.right_blind_patch = blind_patch(right, left, 0, kPatchReach);
   const auto left_rows = row_deviations(pair.left), right_rows = row_deviations(pair.right);
@@ -138,8 +150,8 @@ void compare_parts(const RectifiedPair& pair, SideDifference& difference) {
   for (int part = 0; part < kSharpnessColumns; ++part) {
     const int first_u = pair.left.width_px * part / kSharpnessColumns,
               end_u = pair.left.width_px * (part + 1) / kSharpnessColumns;
-    const double ratio =
-        sharpness_between(pair.right, first_u, end_u) / std::max(sharpness_between(pair.left, first_u, end_u), 1e-3);
+    const double ratio = sharpness_between(pair.right, first_u, end_u, difference.right_noise.noise_gray) /
+                         std::max(sharpness_between(pair.left, first_u, end_u, difference.left_noise.noise_gray), 1e-3);
     difference.least_sharpness = std::min(difference.least_sharpness, ratio);
     difference.most_sharpness = std::max(difference.most_sharpness, ratio);
   }
@@ -147,9 +159,10 @@ void compare_parts(const RectifiedPair& pair, SideDifference& difference) {
 
 struct Side {
   CellGrid textured{};
-  double deviation_gray = 0.0, gradient_gray = 0.0;  ///< of all pixels; the mean difference of neighbouring columns
+  ImageNoise noise;
+  double mean_gray = 0.0, deviation_gray = 0.0, gradient_gray = 0.0;  ///< mean difference of neighbouring columns
 
-  explicit Side(const GrayView& image) : textured(textured_cells(image)) {
+  explicit Side(const GrayView& image) : textured(textured_cells(image)), noise(measure_noise(image)) {
     double sum = 0.0, squares = 0.0, differences = 0.0;
     for (int v = 0; v < image.height_px; ++v) {
       const auto* row = image.row(v);
@@ -159,11 +172,12 @@ struct Side {
         differences += u == 0 ? 0 : std::abs(row[u] - row[u - 1]);
       }
     }
-    const double pixels = static_cast<double>(image.width_px) * image.height_px, mean = sum / pixels;
-    deviation_gray = std::sqrt(std::max(0.0, squares / pixels - mean * mean));
+    const double pixels = static_cast<double>(image.width_px) * image.height_px;
+    mean_gray = sum / pixels;
+    deviation_gray = std::sqrt(std::max(0.0, squares / pixels - mean_gray * mean_gray));
     gradient_gray = differences / pixels;
   }
-  double sharpness() const { return gradient_gray / std::max(deviation_gray, 1e-3); }
+  double sharpness() const { return without_noise(gradient_gray, noise.noise_gray) / std::max(deviation_gray, 1e-3); }
 };
 
 /// Of the cells that one image shows something in, those where the other has nothing between two columns beside them.
@@ -190,6 +204,9 @@ SideDifference compare_sides(const RectifiedPair& pair) {
   difference.right_blind_share = blind_share(left.textured, right.textured, -kReach, 0);
   difference.sharpness = right.sharpness() / std::max(left.sharpness(), 1e-6);
   difference.contrast = right.deviation_gray / std::max(left.deviation_gray, 1e-3);
+  difference.brightness = right.mean_gray / std::max(left.mean_gray, 1e-3);
+  difference.left_noise = left.noise;
+  difference.right_noise = right.noise;
   compare_parts(pair, difference);
   return difference;
 }
@@ -199,59 +216,19 @@ SideDifference median_side_difference(const std::vector<SideDifference>& pairs) 
   SideDifference median;
   for (double SideDifference::*member :
        {&SideDifference::left_blind_share, &SideDifference::right_blind_share, &SideDifference::sharpness,
-        &SideDifference::contrast, &SideDifference::left_blind_patch, &SideDifference::right_blind_patch,
-        &SideDifference::left_lost_rows, &SideDifference::right_lost_rows, &SideDifference::least_sharpness,
-        &SideDifference::most_sharpness}) {
+        &SideDifference::contrast, &SideDifference::brightness, &SideDifference::left_blind_patch,
+        &SideDifference::right_blind_patch, &SideDifference::left_lost_rows, &SideDifference::right_lost_rows,
+        &SideDifference::least_sharpness, &SideDifference::most_sharpness}) {
     std::vector<double> values;
     for (const auto& pair : pairs) values.push_back(pair.*member);
     median.*member = upper_median(std::move(values));
   }
+  for (ImageNoise SideDifference::*member : {&SideDifference::left_noise, &SideDifference::right_noise}) {
+    std::vector<ImageNoise> values;
+    for (const auto& pair : pairs) values.push_back(pair.*member);
+    median.*member = median_noise(std::move(values));
+  }
   return median;
-}
-
-std::vector<std::string> complaints(const SideDifference& d) {
-  const auto tell_blind = [](double share, const char* blind, const char* other) {
-    return fmt::format(
-        "the {} image shows nothing in {:.0f} % of what the {} one sees: is that camera covered, or a part of its "
-        "image missing?",
-        blind, 100.0 * share, other);
-  };
-  std::vector<std::string> found;
-  if (d.right_blind_share > kBlindShare) found.push_back(tell_blind(d.right_blind_share, "right", "left"));
-  if (d.left_blind_share > kBlindShare) found.push_back(tell_blind(d.left_blind_share, "left", "right"));
-  if (!found.empty()) return found;  // which contrast and sharpness follow from
-  for (const auto& [image, other, rows, patch] : {std::tuple("right", "left", d.right_lost_rows, d.right_blind_patch),
-                                                  std::tuple("left", "right", d.left_lost_rows, d.left_blind_patch)})
-    if (rows > kLostRows)
-      found.push_back(
-          fmt::format("{:.0f} % of the rows of the {} image have one grey level throughout: were lines lost "
-                      "on the way from that camera?",
-                      std::max(1.0, 100.0 * rows), image));
-    else if (patch > kBlindPatch)
-      found.push_back(
-          fmt::format("a patch of {:.0f} % of the {} image shows nothing where the {} one sees something: "
-                      "is there dirt on that lens, or a part of its image missing?",
-                      std::max(1.0, 100.0 * patch), image, other));
-  if (!found.empty()) return found;
-  const double dimmed = std::min(d.contrast, 1.0 / std::max(d.contrast, 1e-6));
-  if (dimmed < kDimmed)
-    found.push_back(
-        fmt::format("the {} image has {:.2g} times the contrast of the other: are exposure and gain of "
-                    "both cameras the same?",
-                    d.contrast < 1.0 ? "right" : "left", dimmed));
-  if (!found.empty()) return found;
-  const double blurred = std::min(d.sharpness, 1.0 / std::max(d.sharpness, 1e-6));
-  if (blurred < kBlurred)
-    found.push_back(fmt::format(
-        "the {} image is {:.2g} times as sharp as the other: is that camera out of focus, or its lens dirty?",
-        d.sharpness < 1.0 ? "right" : "left", blurred));
-  if (!found.empty()) return found;
-  const double blurred_part = std::min(d.least_sharpness, 1.0 / std::max(d.most_sharpness, 1e-6));
-  if (blurred_part < kBlurredPart)
-    found.push_back(fmt::format(
-        "a part of the {} image is {:.2g} times as sharp as in the other: is there a drop or dirt on that lens?",
-        d.least_sharpness <= blurred_part ? "right" : "left", blurred_part));
-  return found;
 }
 
 }  // namespace flies

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "flies/core/gray_view.hpp"
+#include "flies/diagnose/image_noise.hpp"
 
 namespace flies {
 
@@ -12,8 +13,10 @@ struct SideDifference {
   /// Of the cells of a grid of 20 x 8 that show something, those whose place in the other image shows nothing: 0.04 at
   /// most in 53 good pairs.
   double left_blind_share = 0.0, right_blind_share = 0.0;
-  double sharpness = 1.0;  ///< of gradients over contrast; 0.84 to 1.14 in good pairs
-  double contrast = 1.0;   ///< of the standard deviations of the grey levels; 0.89 to 1.07 in good pairs
+  double sharpness = 1.0;   ///< of gradients, less what noise adds, over contrast; 0.84 to 1.14 in good pairs
+  double contrast = 1.0;    ///< of the standard deviations of the grey levels; 0.89 to 1.07 in good pairs
+  double brightness = 1.0;  ///< of the mean grey levels; 0.85 to 1.07 in good pairs
+  ImageNoise left_noise = {}, right_noise = {};
   /// Of the image, the largest patch of one level where the other image shows something all about: 0.005 at most in 58
   /// good pairs, a disc of 120 px in 1242 x 375 has 0.01.
   double left_blind_patch = 0.0, right_blind_patch = 0.0;
@@ -22,6 +25,13 @@ struct SideDifference {
   double left_lost_rows = 0.0, right_lost_rows = 0.0;
   /// The sharpness of the sixth of the columns that differs most towards either side: 0.7 and 2.7 in good pairs.
   double least_sharpness = 1.0, most_sharpness = 1.0;
+
+  /// Whether exposure or gain of the cameras are not the same.
+  bool is_exposed_unlike() const;
+  /// Whether one image is noisy and the other one is not.
+  bool is_noisy_on_one_side() const;
+  /// Of the noisier image.
+  const ImageNoise& noise() const;
 };
 
 /// @param pair both images of one size, at least 64 x 48 px

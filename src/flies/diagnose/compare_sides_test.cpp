@@ -43,11 +43,52 @@ TEST(CompareSides, TellsWhichImageIsBlurred) {
   EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("the left image is 0.")));
 }
 
-TEST(CompareSides, TellsWhichImageIsFainter) {
+TEST(CompareSides, TellsBlurThatCostsContrastFromAnotherExposure) {
   GrayPair pair = textured_pair(8.0, 0.0, 0.0);
-  mat_of(pair.right) *= 0.3;
+  cv::GaussianBlur(mat_of(pair.right), mat_of(pair.right), {0, 0}, 3.0);
+  EXPECT_LT(compare_sides(pair.view()).contrast, 0.7);
+  EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("times as sharp")));
+}
+
+TEST(CompareSides, TellsAnotherExposure) {
+  for (const double gain : {0.25, 0.3, 0.5, 0.7, 2.0}) {
+    GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+    mat_of(pair.right) *= gain;
+    EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("are exposure and gain of both cameras")))
+        << gain;
+  }
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  mat_of(pair.left) *= 0.5;
+  EXPECT_THAT(
+      complaints(compare_sides(pair.view())),
+      ElementsAre(HasSubstr("the right image is 2 times as bright as the left one and has 2 times its contrast")));
+  pair = textured_pair(8.0, 0.0, 0.0);
+  mat_of(pair.right) *= 0.85;
+  EXPECT_THAT(complaints(compare_sides(pair.view())), IsEmpty());
+}
+
+TEST(CompareSides, AFainterImageHasDirtOnlyWhereThereIsSome) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  cv::Mat right = mat_of(pair.right);
+  // A calm part of the scene, which a quarter of the exposure makes calmer still.
+  cv::Mat calm = mat_of(pair.left)(cv::Rect(200, 60, 160, 120)), calm_right = right(cv::Rect(192, 60, 160, 120));
+  calm = calm * 0.1 + 90;
+  calm_right = calm_right * 0.1 + 90;
+  right *= 0.25;
+  EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("exposure")));
+  cv::circle(right, {480, 120}, 40, 25, cv::FILLED);
   EXPECT_THAT(complaints(compare_sides(pair.view())),
-              ElementsAre(HasSubstr("the right image has 0.3 times the contrast")));
+              ElementsAre(HasSubstr("% of the right image shows nothing"), HasSubstr("exposure")));
+}
+
+TEST(CompareSides, TellsNoiseOfOneSideFromABlurredOther) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  cv::Mat right = mat_of(pair.right), noise(right.size(), CV_16S);
+  cv::RNG(7).fill(noise, cv::RNG::NORMAL, 0.0, 15.0);
+  cv::add(right, noise, right, cv::noArray(), CV_8U);
+  EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("the right image is noisy")));
+  std::swap(pair.left, pair.right);
+  EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("the left image is noisy")));
 }
 
 TEST(CompareSides, TellsOnWhichLensThereIsDirt) {

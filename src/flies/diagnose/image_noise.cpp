@@ -53,6 +53,10 @@ double ImageNoise::contrast_to_noise() const {
   return noise_gray > 0.0 ? contrast_gray / noise_gray : std::numeric_limits<double>::infinity();
 }
 
+bool ImageNoise::is_much() const {
+  return noise_gray >= kMuchNoise_gray && contrast_to_noise() < kLeastContrastToNoise;
+}
+
 ImageNoise measure_noise(const GrayView& image) {
   std::vector<double> noise, contrast;
   const int rows = image.height_px - 2, columns = image.width_px - 2;  // with a pixel all around

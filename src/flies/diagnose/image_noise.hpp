@@ -16,6 +16,8 @@ struct ImageNoise {
   /// 6.6 and more in the noisier images of 108 good pairs of streets and rooms (`flies check --json`); infinite without
   /// noise.
   double contrast_to_noise() const;
+  /// Whether there is so much that things are missed.
+  bool is_much() const;
 };
 
 /// With less contrast to noise, things are missed. With normal noise of 4 and 8 grey levels added to the 33 pairs of

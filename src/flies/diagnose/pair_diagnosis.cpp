@@ -34,6 +34,8 @@ constexpr double kScatterMatters_px = 0.7;
 constexpr double kRowsAgree_px = 1.5;
 /// See `PairDiagnosis::nearer_above`.
 constexpr double kNearerAbove = 1.4;
+/// A camera higher than that is on a mast or a drone.
+constexpr double kHigh_m = 4.0;
 
 void see_levels(const GrayView& image, PairDiagnosis& diagnosis) {
   double dark = 0.0, bright = 0.0;
@@ -50,8 +52,23 @@ void see_levels(const GrayView& image, PairDiagnosis& diagnosis) {
   diagnosis.bright_share = bright / pixels;
 }
 
-ImageNoise noisier(const ImageNoise& a, const ImageNoise& b) {
-  return a.contrast_to_noise() < b.contrast_to_noise() ? a : b;
+double spread_px(const std::vector<RowError>& rows) {
+  double spread_px = 0.0;
+  for (const auto& a : rows)
+    for (const auto& b : rows) spread_px = std::max(spread_px, a.differs_px(b));
+  return spread_px;
+}
+
+std::string told_growth(const RowError& rows) {
+  const std::string lower =
+      rows.typical_px() < kRowErrorMatters_px
+          ? ""
+          : fmt::format(", and its rows lie {:+.1f} px lower in the middle, {:+.1f} and {:+.1f} px at the sides",
+                        rows.offset_px, rows.at(0.0), rows.at(2.0 * rows.middle_u_px));
+  return fmt::format(
+      "the right image is {:.1f} % {} than the left one{}: focal lengths are not those of the calibration (a zoom, "
+      "another resize of one image), so ranges are off, and moving rows does not mend that; calibrate again",
+      100.0 * std::abs(rows.growth), rows.growth > 0.0 ? "larger" : "smaller", lower);
 }
 
 std::string what_hides(const PairDiagnosis& d) {
@@ -89,10 +106,11 @@ PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camer
   see_levels(pair.left, diagnosis);
   diagnosis.evidence = gather_pair_evidence(pair, camera);
   const auto& [upper_px, lower_px] = std::pair(diagnosis.evidence.upper_px, diagnosis.evidence.lower_px);
-  if (upper_px > 0.0 && lower_px > 0.0) diagnosis.nearer_above = upper_px / lower_px;
+  if (upper_px > 0.0 && lower_px > 0.0 && camera.mount.height_m <= kHigh_m)
+    diagnosis.nearer_above = upper_px / lower_px;
   diagnosis.sides = compare_sides(pair);
-  diagnosis.noise = noisier(measure_noise(pair.left), measure_noise(pair.right));
-  diagnosis.rows = fit_row_error(match_corners(pair), pair.left.width_px);
+  diagnosis.noise = diagnosis.sides.noise();
+  diagnosis.rows = fit_row_error(match_corners(pair), pair.left.width_px, pair.left.height_px);
   diagnosis.road_found = estimate_road(pair, Projection(camera), road).found;
   return diagnosis;
 }
@@ -126,10 +144,7 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
   run.sides = median_side_difference(sides);
   run.noise = median_noise(std::move(noise));
   run.rows = median_row_error(rows);
-  if (!rows.empty()) {
-    const auto [least, most] = std::ranges::minmax(rows, {}, &RowError::offset_px);
-    run.rows_spread_px = most.offset_px - least.offset_px;
-  }
+  run.rows_spread_px = spread_px(rows);
   run.road_found = roads > 0;
   return run;
 }
@@ -158,7 +173,7 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
     found.push_back(fmt::format("nothing can be seen in much of the image: {}", what_hides(d)));
   else
     for (auto& complaint : complaints(d.sides)) found.push_back(std::move(complaint));
-  if (d.noise.noise_gray >= kMuchNoise_gray && d.noise.contrast_to_noise() < kLeastContrastToNoise)
+  if (d.noise.is_much() && !d.sides.is_noisy_on_one_side())
     found.push_back(fmt::format(
         "the images are noisy: pixels vary by {:.1f} grey levels at random and by {:.1f} with the scene, so "
         "things are missed; more light, a longer exposure or less gain help",
@@ -169,6 +184,8 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
         "rows of left and right do not lie apart by the same in all pairs, but by {:.1f} px more in some than "
         "in others, so that no correction serves all: was a camera knocked, or is one loose?",
         d.rows_spread_px));
+  else if (d.rows && d.rows->growth != 0.0)
+    found.push_back(told_growth(*d.rows));
   else if (row_error_px >= kRowErrorMatters_px)
     found.push_back(fmt::format(
         "rows of the right image lie {:+.1f} px lower than those of the left one in the middle, {:+.1f} and {:+.1f} px "
@@ -198,7 +215,7 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
         "or a principal point is wrong, so ranges are too; check cx of both cameras, and that both images were taken "
         "at the same moment",
         100.0 * d.beyond_share()));
-  if (d.nearer_above.value_or(0.0) > kNearerAbove && d.can_be_trusted())
+  if (d.nearer_above.value_or(0.0) > kNearerAbove && !d.road_found && d.can_be_trusted())
     found.push_back(fmt::format(
         "places in the upper third of the images are {:.1f} times as near as those in the lower one: do the "
         "images stand on their heads? Then turn both by 180 degrees and give the right one as the left",

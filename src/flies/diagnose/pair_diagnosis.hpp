@@ -21,9 +21,11 @@ struct PairDiagnosis {
   double bright_share = 0.0;     ///< that are white (247 and more)
   PairEvidence evidence;         ///< patches and where they are found along their rows
   std::optional<RowError> rows;  ///< nothing: too few corners to tell
-  double rows_spread_px = 0.0;   ///< of a run: between the pairs whose rows lie farthest apart, in the middle column
+  double rows_spread_px = 0.0;   ///< of a run: between the pairs whose rows differ most (`RowError::differs_px`)
   /// How much nearer places in the upper third of the left image are than those in the lower one, a ratio of
   /// disparities: below 1.2 in 53 pairs of streets and other places, and the inverse when images stand on their heads.
+  /// Nothing where too few are found, and for cameras high above the ground, which see tops of trees above and none of
+  /// what is near below.
   std::optional<double> nearer_above;
   SideDifference sides;     ///< in what the images differ that should not
   ImageNoise noise;         ///< of the noisier image

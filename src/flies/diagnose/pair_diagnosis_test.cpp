@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -111,7 +113,27 @@ TEST(DiagnosePair, ToldIsNoise) {
   for (auto& level : plain.right.pixels) level = static_cast<std::uint8_t>(level / 40 + random.below(4));
   EXPECT_THAT(complaints_of(plain, camera()), Not(Contains(HasSubstr("noisy"))));
   for (auto& level : pair.right.pixels) level = static_cast<std::uint8_t>(level / 4 + random.below(32));
-  EXPECT_THAT(complaints_of(pair, camera()), Contains(HasSubstr("the images are noisy: pixels vary by 9")));
+  EXPECT_THAT(complaints_of(pair, camera()), Contains(HasSubstr("the right image is noisy: its pixels vary by 9")));
+}
+
+TEST(DiagnosePair, ToldIsAnImageThatIsLarger) {
+  EXPECT_THAT(complaints_of(textured_pair(8.0, 0.0, 0.0, 0.01), camera()),
+              Contains(HasSubstr("the right image is 1.0 % larger than the left one")));
+  EXPECT_THAT(complaints_of(textured_pair(8.0, 0.0, 0.0, -0.02), camera()),
+              Contains(HasSubstr("the right image is 2.0 % smaller than the left one")));
+  EXPECT_THAT(complaints_of(textured_pair(8.0, 0.0, 0.0, 0.003), camera()), Not(Contains(HasSubstr("larger"))));
+}
+
+TEST(DiagnosePair, ACameraHighAboveTheGroundHasNearThingsAbove) {
+  // Near above, far below: what tree tops before the ground look like, and images that stand on their heads.
+  const GrayPair near = textured_pair(20.0, 0.0, 0.0);
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  const auto upper = static_cast<std::ptrdiff_t>(pair.right.pixels.size() / 2);
+  std::copy_n(near.right.pixels.begin(), upper, pair.right.pixels.begin());
+  StereoCamera high = camera();
+  high.mount.height_m = 7.0;
+  EXPECT_GT(diagnose_pair(pair.view(), camera()).nearer_above.value_or(0.0), 2.0);
+  EXPECT_FALSE(diagnose_pair(pair.view(), high).nearer_above);
 }
 
 TEST(DiagnosePair, ToldIsThatFewPlacesAreFound) {
@@ -147,15 +169,47 @@ TEST(DiagnoseRun, ARigThatWasKnockedOnTheWayHasNoOneCorrection) {
   EXPECT_THAT(complaints(bent), Contains(HasSubstr("lie +4.0 px lower")));
 }
 
-TEST(Complaints, ImagesThatStandOnTheirHeadsHaveNearThingsAbove) {
+TEST(DiagnoseRun, ARollThatBeginsOnTheWayHasNoOneCorrection) {
+  const auto run_of = [](const std::vector<double>& slopes) {
+    std::vector<PairDiagnosis> pairs(slopes.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      pairs[i].rows = RowError{.slope = slopes[i], .corners = 200, .middle_u_px = 620, .middle_v_px = 187};
+    return diagnose_run(pairs);
+  };
+  EXPECT_FALSE(run_of({0.0, 0.0, 0.0, 0.017, 0.017}).rows_agree());
+  EXPECT_TRUE(run_of({0.017, 0.016, 0.017, 0.018, 0.017}).rows_agree());
+  EXPECT_TRUE(run_of({-0.0006, 0.0006, 0.0, 0.0005, -0.0005}).rows_agree());  // as on a good drive
+}
+
+TEST(Complaints, ImagesOfTwoSizesAreNotSaidToBeMendedByMovingRows) {
+  PairDiagnosis diagnosis;
+  diagnosis.textured_share = 0.8;
+  diagnosis.road_found = true;
+  diagnosis.rows = RowError{.offset_px = 3.0, .corners = 200, .middle_u_px = 620, .growth = -0.02, .middle_v_px = 187};
+  EXPECT_THAT(complaints(diagnosis),
+              ElementsAre(HasSubstr("2.0 % smaller than the left one, and its rows lie +3.0 px")));
+}
+
+TEST(Complaints, AZoomIsNoKnock) {
+  PairDiagnosis pair;
+  pair.textured_share = 0.8;
+  pair.road_found = true;
+  pair.rows = RowError{.corners = 200, .middle_u_px = 620, .growth = 0.02, .middle_v_px = 187};
+  PairDiagnosis other = pair;
+  other.rows->growth = 0.017;
+  EXPECT_THAT(complaints(diagnose_run({pair, other, pair})), ElementsAre(HasSubstr("2.0 % larger than the left one")));
+}
+
+TEST(Complaints, ImagesThatStandOnTheirHeadsHaveNearThingsAboveAndNoRoadBelow) {
   PairDiagnosis diagnosis;
   diagnosis.textured_share = 0.8;
   diagnosis.evidence = {.patches = 100, .nearer = 30};
-  diagnosis.road_found = true;
   diagnosis.nearer_above = 1.1;
-  EXPECT_TRUE(complaints(diagnosis).empty());
+  EXPECT_THAT(complaints(diagnosis), Not(Contains(HasSubstr("stand on their heads"))));
   diagnosis.nearer_above = 1.8;
-  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("stand on their heads")));
+  EXPECT_THAT(complaints(diagnosis), Contains(HasSubstr("stand on their heads")));
+  diagnosis.road_found = true;
+  EXPECT_TRUE(complaints(diagnosis).empty());
 }
 
 TEST(Complaints, ThereAreNoneWhereAllIsWell) {
