@@ -40,6 +40,8 @@ struct BoardCorner {
 };
 
 inline constexpr const char* kMisfit = "found ";  ///< what a misfit begins with
+/// What a misfit ends with that may be the board, seen in part.
+inline constexpr const char* kPartOfBoard = " (if it has as many, part of it is hidden or outside)";
 
 /// A board as an image shows it.
 struct SeenBoard {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-
 #include "flies/core/error.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/rig/turned_images.hpp"
@@ -67,12 +66,13 @@ void require_fit(const BoardTools& tools, const Board& board, const std::vector<
   if (solution.rms_px <= kMostError_px) return;
   if (solution.alone_rms_px <= kMostError_px) refuse_pairs(tools, board, pairs, solution);
   const bool is_other_board = solution.alone_rms_px > kOtherBoard_px;
-  throw InputError(kSource, "error",
-                   fmt::format("corners are {:.2f} px off on average, with one camera alone {:.2f} px, expected less "
-                               "than {}: {}",
-                               solution.rms_px, solution.alone_rms_px, kMostError_px,
-                               is_other_board ? "the board has another layout or other counts than --kind and --board say"
-                                              : "is the board flat, printed as high as wide, are --marker and --lens right?"));
+  throw InputError(
+      kSource, "error",
+      fmt::format("corners are {:.2f} px off on average, with one camera alone {:.2f} px, expected less "
+                  "than {}: {}",
+                  solution.rms_px, solution.alone_rms_px, kMostError_px,
+                  is_other_board ? "the board has another layout or other counts than --kind and --board say"
+                                 : "is the board flat, printed as high as wide, are --marker and --lens right?"));
 }
 
 void require_side_by_side(const RawStereo& raw) {
@@ -84,9 +84,10 @@ void require_side_by_side(const RawStereo& raw) {
                      fmt::format("those of the {} camera are upside down: turn them by 180 degrees",
                                  centre_m[0] > 0.0 ? "right" : "left"));
   if (roll > kMostRoll_rad)
-    throw InputError(kSource, "images",
-                     fmt::format("right ones are turned by {:.0f} degrees against left ones: turn them as they are seen",
-                                 degrees(roll)));
+    throw InputError(
+        kSource, "images",
+        fmt::format("right ones are turned by {:.0f} degrees against left ones: turn them as they are seen",
+                    degrees(roll)));
   if (std::abs(centre_m[1]) > std::abs(centre_m[0]))
     throw InputError(kSource, "baseline",
                      fmt::format("the right camera stands {:.3f} m {} the left one and {:.3f} m beside it: cameras one "
@@ -94,32 +95,36 @@ void require_side_by_side(const RawStereo& raw) {
                                  "degrees",
                                  std::abs(centre_m[1]), centre_m[1] > 0.0 ? "below" : "above", std::abs(centre_m[0])));
   if (std::abs(centre_m[2]) > std::abs(centre_m[0]))
-    throw InputError(kSource, "baseline",
-                     fmt::format("the right camera stands {:.3f} m {} the left one and {:.3f} m beside it: they must "
-                                 "stand side by side",
-                                 std::abs(centre_m[2]), centre_m[2] > 0.0 ? "before" : "behind", std::abs(centre_m[0])));
+    throw InputError(
+        kSource, "baseline",
+        fmt::format("the right camera stands {:.3f} m {} the left one and {:.3f} m beside it: they must "
+                    "stand side by side",
+                    std::abs(centre_m[2]), centre_m[2] > 0.0 ? "before" : "behind", std::abs(centre_m[0])));
   if (centre_m[0] < 0.0)
-    throw InputError(kSource, "baseline",
-                     "left and right are swapped, or all images are upside down or mirrored: the right camera stands to "
-                     "the left");
+    throw InputError(
+        kSource, "baseline",
+        "left and right are swapped, or all images are upside down or mirrored: the right camera stands to "
+        "the left");
 }
 
 /// A board that moves between both shots is seen in two places.
 void check_moment(const RigSolution& solution, std::vector<std::string>& notes) {
   const double apart = solution.rms_px / std::max(solution.alone_rms_px, 1e-6);
   const auto sentence = [&] {
-    return fmt::format("corners are {:.2f} px off with both cameras together, only {:.2f} px with each alone, rows {:.2f} "
-                       "px apart: the board or the cameras moved between left and right images; ranges are wrong by {}",
-                       solution.rms_px, solution.alone_rms_px, solution.row_px, at_ten_metres(solution));
+    return fmt::format(
+        "corners are {:.2f} px off with both cameras together, only {:.2f} px with each alone, rows {:.2f} "
+        "px apart: the board or the cameras moved between left and right images; ranges are wrong by {}",
+        solution.rms_px, solution.alone_rms_px, solution.row_px, at_ten_metres(solution));
   };
   if (apart > kMostApart && solution.rms_px > kMostApart_px)
     throw InputError(kSource, "error", sentence() + "; hold the board still, or fix it and take the pairs anew");
   if (apart > kNotedApart && solution.rms_px > kNotedApart_px) {
     notes.push_back(sentence());
   } else if (solution.rms_px > kNotedError_px) {
-    notes.push_back(fmt::format("corners are {:.2f} px off, of good sets 0.1 to {}: is the board flat, were images "
-                                "blurred, did it move between left and right? Ranges may be wrong by {}",
-                                solution.rms_px, kNotedError_px, at_ten_metres(solution)));
+    notes.push_back(
+        fmt::format("corners are {:.2f} px off, of good sets 0.1 to {}: is the board flat, were images "
+                    "blurred, did it move between left and right? Ranges may be wrong by {}",
+                    solution.rms_px, kNotedError_px, at_ten_metres(solution)));
   }
 }
 
@@ -142,9 +147,10 @@ void check_focal_length(const RigSolution& solution, std::vector<std::string>& n
                      fmt::format("is {}, expected {} %, and all ranges with it: {}; hold it aslant, not only straight "
                                  "before the cameras",
                                  known, 100.0 * kMostDeviation, lean));
-  notes.push_back(fmt::format("the focal length is {}, and all ranges may be as wrong: {}; more views with the board "
-                              "aslant help",
-                              known, lean));
+  notes.push_back(
+      fmt::format("the focal length is {}, and all ranges may be as wrong: {}; more views with the board "
+                  "aslant help",
+                  known, lean));
 }
 
 }  // namespace

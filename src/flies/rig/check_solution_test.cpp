@@ -46,7 +46,7 @@ struct Scene {
   ToyRig rig;
   Board board = kChess;
   std::vector<Held> views = flies::testing::good_views();
-  double moved_m = 0.0;   ///< standard deviation of the board's move between both shots
+  double moved_m = 0.0;    ///< standard deviation of the board's move between both shots
   double noise_px = 0.05;  ///< of corners
 
   std::vector<BoardPair> pairs() const {
@@ -67,7 +67,8 @@ struct Scene {
       auto left = seen(board_m, turn, at, cv::Mat(rig.m1), cv::Mat(rig.d1));
       auto right = seen(board_m, rig.r * turn, rig.r * moved + rig.t, cv::Mat(rig.m2), cv::Mat(rig.d2));
       for (auto* side : {&left, &right})
-        for (auto& corner : side->corners) corner.u_px += noise_px * unit(random), corner.v_px += noise_px * unit(random);
+        for (auto& corner : side->corners)
+          corner.u_px += noise_px * unit(random), corner.v_px += noise_px * unit(random);
       result.push_back(matched_boards(board, "view" + std::to_string(result.size()), left, right));
     }
     return result;
@@ -138,8 +139,12 @@ TEST(CheckSolution, NamesWhichImagesAreTurnedOrMirrored) {
   auto right_and_left = turned;
   for (auto& pair : right_and_left) std::swap(pair.left, pair.right);
   // As markers have it, which tell where the board's upper side is.
-  Board marked{
-      .kind = BoardKind::charuco, .columns = 10, .rows = 7, .square_m = 0.025, .marker_m = 0.02, .dictionary = "4x4_50"};
+  Board marked{.kind = BoardKind::charuco,
+               .columns = 10,
+               .rows = 7,
+               .square_m = 0.025,
+               .marker_m = 0.02,
+               .dictionary = "4x4_50"};
   EXPECT_THAT(refusal(turned, marked), HasSubstr("of the right camera are upside down"));
   for (auto& pair : turned) pair = matched_boards(kChess, pair.name, pair.left, pair.right);
   EXPECT_THAT(refusal(turned), HasSubstr("of the right camera are upside down"));

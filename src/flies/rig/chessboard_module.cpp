@@ -25,7 +25,8 @@ bool find_in_small(const cv::Mat& image, const cv::Size& counts, Points& points)
   return true;
 }
 
-/// How many inner corners the chessboard has that the image shows, all or part of it; 0 x 0 without one. Starting from a few, it stops early now and then: the largest of some starts counts.
+/// How many inner corners the chessboard has that the image shows, all or part of it; 0 x 0 without one. Starting from
+/// a few, it stops early now and then: the largest of some starts counts.
 cv::Size counts_of_any(const cv::Mat& image) {
   constexpr int kFewest = 4;  // less is found where there is none
   cv::Size most;
@@ -45,8 +46,7 @@ std::string misfit_of(cv::Size found, const cv::Size& counts) {
   const auto is_turned = [&] { return (found.width < found.height) != (counts.width < counts.height); };
   if (is_turned()) std::swap(found.width, found.height);
   return fmt::format("{}a chessboard of {} x {} inner corners, expected {} x {}{}", kMisfit, found.width, found.height,
-                     counts.width, counts.height,
-                     found.area() < counts.area() ? " (if it has as many, part of it is hidden or outside)" : "");
+                     counts.width, counts.height, found.area() < counts.area() ? kPartOfBoard : "");
 }
 
 }  // namespace

@@ -95,8 +95,8 @@ std::vector<Reading> other_readings(const Board& board) {
   const bool is_grid = board.kind == BoardKind::aprilgrid;
   std::vector<Reading> others;
   for (const bool is_other_way : {false, true})
-    for (const int columns : {board.columns, board.rows, board.columns + 1, board.columns - 1, board.columns + 2,
-                              board.columns - 2})
+    for (const int columns :
+         {board.columns, board.rows, board.columns + 1, board.columns - 1, board.columns + 2, board.columns - 2})
       if (columns > 0) {
         Reading other{board, !is_grid && is_other_way, is_grid && is_other_way};
         other.board.columns = columns;
@@ -113,11 +113,13 @@ std::string size_misfit(const Board& board, double side) {
       is_grid ? board.square_m / (board.square_m + board.marker_m) : board.marker_m / board.square_m;
   if (std::abs(side / expected - 1.0) <= kMostOff) return {};
   if (is_grid)
-    return fmt::format("{}tags with gaps of {:.2f} of their side between them, expected {:.2f} by --square and --marker",
-                       kMisfit, 1.0 / side - 1.0, board.marker_m / board.square_m);
-  return fmt::format("{}markers of {:.2f} of a square's side, expected {:.2f} by --square and --marker (where squares "
-                     "measure {} m, about {:.3f} m)",
-                     kMisfit, side, expected, board.square_m, side * board.square_m);
+    return fmt::format(
+        "{}tags with gaps of {:.2f} of their side between them, expected {:.2f} by --square and --marker", kMisfit,
+        1.0 / side - 1.0, board.marker_m / board.square_m);
+  return fmt::format(
+      "{}markers of {:.2f} of a square's side, expected {:.2f} by --square and --marker (where squares "
+      "measure {} m, about {:.3f} m)",
+      kMisfit, side, expected, board.square_m, side * board.square_m);
 }
 
 std::string layout_misfit(const Markers& markers, const Board& board, double most_off) {
@@ -125,7 +127,8 @@ std::string layout_misfit(const Markers& markers, const Board& board, double mos
   for (const auto& other : other_readings(board)) {
     if (fit_of(markers, other).off > most_off) continue;
     if (other.is_from_top && other.board.columns == board.columns)
-      return fmt::format("{}tags that are numbered from the top, expected from the bottom as Kalibr prints them", kMisfit);
+      return fmt::format("{}tags that are numbered from the top, expected from the bottom as Kalibr prints them",
+                         kMisfit);
     if (other.board.columns == board.columns)
       return fmt::format("{}{} of more rows than the {} of --board {}x{}", kMisfit, what, board.rows, board.columns,
                          board.rows);

@@ -16,7 +16,7 @@ struct Markers {
 
 /// Where a board's markers stand, and how large they are printed.
 struct MarkerLayout {
-  bool is_legacy = false;  ///< charuco: the upper left square is white
+  bool is_legacy = false;   ///< charuco: the upper left square is white
   std::string misfit = {};  ///< the markers say that the board is another one; empty when they fit or tell nothing
 };
 

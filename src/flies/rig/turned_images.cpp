@@ -48,10 +48,10 @@ std::string turned_images(const BoardTools& tools, const Board& board, const std
                                       changed(pairs[i].right, change, board, width_px, height_px)));
     const auto found = tools.solve(others, board, width_px, height_px, solution.raw.left.lens);
     if (!found.failure.empty() || found.rms_px > std::min(kFits_px, kShare * solution.rms_px)) continue;
-    return fmt::format("those of the {} camera are {}: {} (with the others so, corners are {:.2f} px off instead of "
-                       "{:.0f})",
-                       is_right_beyond_left(found.raw) ? "right" : "left", change.name, change.remedy, found.rms_px,
-                       solution.rms_px);
+    return fmt::format(
+        "those of the {} camera are {}: {} (with the others so, corners are {:.2f} px off instead of "
+        "{:.0f})",
+        is_right_beyond_left(found.raw) ? "right" : "left", change.name, change.remedy, found.rms_px, solution.rms_px);
   }
   return {};
 }
