@@ -86,6 +86,25 @@ SeenBoards find_living_boards(const CalibrateArguments& arguments, const flies::
   return watch_boards(living, reading_of(arguments.images.reading), tools_for(arguments, board), board);
 }
 
+/// The board in both images; in the right one it is looked for where the left one shows it.
+flies::BoardPair pair_of(const flies::BoardTools& tools, const flies::Board& board, const std::string& name,
+                         const flies::GrayPair& images) {
+  auto left = tools.find(images.left.view(), board);
+  if (left.corners.empty()) return {name, std::move(left), {}};
+  auto right = tools.find(images.right.view(), board);
+  if (right.corners.empty()) left.misfit = right.misfit;
+  return flies::matched_boards(board, name, std::move(left), std::move(right));
+}
+
+/// Whether pair after pair showed something else than the board: the others will, too.
+bool is_other_board(const SeenBoards& seen) {
+  constexpr std::size_t kEnough = 3;
+  if (seen.without.size() < kEnough) return false;
+  const auto& reason = seen.without.front().reason;
+  return is_misfit(reason) &&
+         std::ranges::all_of(seen.without, [&](const auto& view) { return view.reason == reason; });
+}
+
 /// A pair that cannot be read costs that pair.
 SeenBoards find_boards(const CalibrateArguments& arguments, const flies::Board& board,
                        const std::vector<flies::PairPaths>& paths) {
@@ -97,14 +116,14 @@ SeenBoards find_boards(const CalibrateArguments& arguments, const flies::Board& 
   ImageWatch watch;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     bar.show(i);
+    if (found.empty() && is_other_board(seen)) break;
     const auto& left = paths[i].left;
     try {
       const auto images = flies::load_pair(paths[i], reading);
       watch.look(images, left);
-      auto pair = flies::matched_boards(board, left, tools.find(images.left.view(), board),
-                                        tools.find(images.right.view(), board));
+      auto pair = pair_of(tools, board, left, images);
       if (pair.left.corners.empty())
-        seen.without.push_back({left, kNoBoard});
+        seen.without.push_back({left, pair.left.misfit.empty() ? kNoBoard : pair.left.misfit});
       else
         found.push_back({std::move(pair), images.left.width_px, images.left.height_px});
     } catch (const flies::InputError& error) {
@@ -115,7 +134,9 @@ SeenBoards find_boards(const CalibrateArguments& arguments, const flies::Board& 
     take_commonest_size(std::move(found), seen);
     return seen;
   }
-  if (const auto& reason = commonest_reason(seen.without).reason; reason != kNoBoard)
+  const auto& [name, reason] = commonest_reason(seen.without);
+  if (is_misfit(reason)) throw flies::InputError(name, "--board", reason);
+  if (reason != kNoBoard)
     throw flies::InputError(
         arguments.images.left, "",
         fmt::format("none of {} pairs shows a board, for most cannot be used: {}", paths.size(), reason));
@@ -197,6 +218,7 @@ std::string json(const flies::RigReport& report) {
   }
   for (const auto& view : report.dropped) dropped.push_back({{"name", view.name}, {"reason", view.reason}});
   const nlohmann::ordered_json object = {{"rms_px", solution.rms_px},
+                                         {"alone_rms_px", solution.alone_rms_px},
                                          {"row_px", solution.row_px},
                                          {"baseline_m", camera.baseline_m},
                                          {"fx_px", camera.fx_px},

@@ -27,9 +27,11 @@ const flies::DroppedView& commonest_reason(const std::vector<flies::DroppedView>
     std::erase_if(kind, [](char letter) { return (letter >= '0' && letter <= '9') || letter == '.'; });
     return kind;
   };
-  std::map<std::string, int> counts;
-  for (const auto& view : views) ++counts[kind_of(view)];
-  return *std::ranges::max_element(views, {}, [&](const auto& view) { return counts[kind_of(view)]; });
+  // Of a kind the very words that are commonest: numbers that many agree on are worth telling.
+  std::map<std::string, int> kinds, reasons;
+  for (const auto& view : views) ++kinds[kind_of(view)], ++reasons[view.reason];
+  return *std::ranges::max_element(
+      views, {}, [&](const auto& view) { return std::pair(kinds[kind_of(view)], reasons[view.reason]); });
 }
 
 flies::InputError with_reason(const flies::InputError& fault, const std::vector<flies::DroppedView>& without) {

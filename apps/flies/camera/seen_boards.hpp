@@ -17,6 +17,9 @@ struct SeenBoards {
   int width_px = 0, height_px = 0;
 };
 
+/// Whether a pair was left out because it shows another board.
+inline bool is_misfit(const std::string& reason) { return reason.starts_with(flies::kMisfit); }
+
 /// Boards with the size of their images.
 struct SizedBoards {
   flies::BoardPair boards;

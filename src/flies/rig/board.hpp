@@ -39,10 +39,15 @@ struct BoardCorner {
   double u_px = 0.0, v_px = 0.0;
 };
 
+inline constexpr const char* kMisfit = "found ";  ///< what a misfit begins with
+/// What a misfit ends with that may be the board, seen in part.
+inline constexpr const char* kPartOfBoard = " (if it has as many, part of it is hidden or outside)";
+
 /// A board as an image shows it.
 struct SeenBoard {
   std::vector<BoardCorner> corners;  ///< in the order of their numbers
   double blur_px = 0.0;              ///< over how many pixels black becomes white, median over corners
+  std::string misfit = {};           ///< without corners: what the image shows in place of the board, if anything
 };
 
 /// A board as both images of a pair show it: the corners that both do.

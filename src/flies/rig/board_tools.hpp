@@ -28,6 +28,7 @@ struct ViewError {
 struct RigSolution {
   RawStereo raw;
   double rms_px = 0.0;
+  double alone_rms_px = 0.0;     ///< where each camera is solved for alone, of the worse
   double row_px = 0.0;           ///< mean over all corners
   double focal_deviation = 0.0;  ///< standard deviation of the focal length over it, of the worse camera
   std::vector<ViewError> views;

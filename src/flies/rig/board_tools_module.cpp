@@ -20,20 +20,6 @@ using flies::BoardCorner;
 using flies::BoardKind;
 using flies::SeenBoard;
 
-std::vector<BoardCorner> find_chessboard(const cv::Mat& image, const Board& board) {
-  std::vector<cv::Point2f> points;
-  const cv::Size size(board.columns, board.rows);
-  const int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
-  if (!cv::findChessboardCornersSB(image, size, points, cv::CALIB_CB_NORMALIZE_IMAGE) &&
-      !cv::findChessboardCorners(image, size, points, flags))
-    return {};
-  const double square_px = cv::norm(points[1] - points[0]);
-  flies::refine_corners(image, points, std::clamp(static_cast<int>(0.3 * square_px), 2, 8));
-  std::vector<BoardCorner> corners;
-  for (const auto& point : points) corners.push_back({static_cast<int>(corners.size()), point.x, point.y});
-  return corners;
-}
-
 /// From the steepest slope beside each corner: (white - black) / slope.
 double blur_of(const cv::Mat& image, const std::vector<BoardCorner>& corners) {
   constexpr int kHalf_px = 7;
@@ -62,8 +48,8 @@ class OpenCvTools final : public flies::BoardTools {
     const cv::Mat picture = flies::mat_of(image);
     SeenBoard seen;
     try {
-      seen.corners = board.kind == BoardKind::chessboard ? find_chessboard(picture, board)
-                                                         : flies::find_marked_board(picture, board);
+      seen = board.kind == BoardKind::chessboard ? flies::find_chessboard(picture, board)
+                                                 : flies::find_marked_board(picture, board);
     } catch (const cv::Exception&) {  // of a picture that it finds no sense in
       return {};
     }

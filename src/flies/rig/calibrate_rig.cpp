@@ -8,6 +8,7 @@
 #include "flies/core/error.hpp"
 #include "flies/core/plausible.hpp"
 #include "flies/core/quantile.hpp"
+#include "flies/rig/check_solution.hpp"
 #include "flies/rig/coverage.hpp"
 
 namespace flies {
@@ -21,10 +22,6 @@ constexpr double kBlurRatio = 2.0, kBlur_px = 4.0;
 /// A view is inconsistent when its error is larger than that of the others, and large, and the others agree better
 /// without it: one such view bends the whole solution.
 constexpr double kErrorRatio = 1.5, kError_px = 0.6, kBetter = 0.75;
-/// Corners of good sets lie within 0.1 to 0.5 px, for cameras of any size.
-constexpr double kMostError_px = 1.5;
-/// Standard deviation of the focal length over it.
-constexpr double kNotedDeviation = 0.005, kMostDeviation = 0.03;
 
 const std::string kSource = "calibration";
 
@@ -99,27 +96,6 @@ void solve(const BoardTools& tools, const Board& board, int width_px, int height
   }
 }
 
-void check(RigReport& report) {
-  const auto& solution = report.solution;
-  if (solution.raw.translation_m[0] > 0.0)
-    throw InputError(kSource, "baseline", "left and right are swapped: the right camera stands to the left");
-  if (solution.rms_px > kMostError_px)
-    throw InputError(kSource, "error",
-                     fmt::format("corners are {:.2f} px off on average, expected less than {}: is the board flat, its "
-                                 "size right, do left and right images belong together?",
-                                 solution.rms_px, kMostError_px));
-  if (solution.focal_deviation > kMostDeviation)
-    throw InputError(kSource, "focal length",
-                     fmt::format("is known to {:.1f} % only, expected {} %: hold the board aslant, not only straight "
-                                 "before the cameras",
-                                 100.0 * solution.focal_deviation, 100.0 * kMostDeviation));
-  if (solution.focal_deviation > kNotedDeviation)
-    report.notes.push_back(
-        fmt::format("the focal length is known to {:.1f} % only, and all ranges with it: more views "
-                    "with the board aslant help",
-                    100.0 * solution.focal_deviation));
-}
-
 }  // namespace
 
 RigReport calibrate_rig(const BoardTools& tools, const Board& board, std::vector<BoardPair> pairs, int width_px,
@@ -128,7 +104,7 @@ RigReport calibrate_rig(const BoardTools& tools, const Board& board, std::vector
   report.used = std::move(pairs);
   drop_poor_views(report);
   solve(tools, board, width_px, height_px, lens, report);
-  check(report);
+  for (auto& note : check_solution(tools, board, report.used, report.solution)) report.notes.push_back(std::move(note));
   report.calibration.rectifier.emplace(report.solution.raw, kSource);
   report.calibration.camera = report.calibration.rectifier->camera();
   for (auto& note : detail::check_plausible(report.calibration.camera, kSource))

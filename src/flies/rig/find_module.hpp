@@ -17,7 +17,10 @@ inline constexpr bool kHasMarkers = false;
 /// Moves points to the saddle between black and white fields within so many pixels.
 void refine_corners(const cv::Mat& image, std::vector<cv::Point2f>& points, int half_window_px);
 
-/// Corners of a charuco board or an aprilgrid; none without aruco.
-std::vector<BoardCorner> find_marked_board(const cv::Mat& image, const Board& board);
+/// The corners of a chessboard, or what else the image shows.
+SeenBoard find_chessboard(const cv::Mat& image, const Board& board);
+
+/// The corners of a charuco board or an aprilgrid, or what else the image shows; nothing without aruco.
+SeenBoard find_marked_board(const cv::Mat& image, const Board& board);
 
 }  // namespace flies

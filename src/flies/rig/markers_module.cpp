@@ -1,5 +1,6 @@
 // Boards with markers, where OpenCV's aruco is.
 #include "flies/rig/find_module.hpp"
+#include "flies/rig/marker_layout_module.hpp"
 
 #ifdef FLIES_HAS_MARKERS
 #include <algorithm>
@@ -18,11 +19,6 @@ cv::Ptr<cv::aruco::Dictionary> dictionary_of(const std::string& name) {
   return cv::aruco::getPredefinedDictionary(static_cast<int>(at));
 }
 
-struct Markers {
-  std::vector<std::vector<cv::Point2f>> corners;
-  std::vector<int> ids;
-};
-
 Markers find_markers(const cv::Mat& image, const cv::Ptr<cv::aruco::Dictionary>& dictionary, int border_bits) {
   const auto parameters = cv::aruco::DetectorParameters::create();
   parameters->markerBorderBits = border_bits;
@@ -31,27 +27,45 @@ Markers find_markers(const cv::Mat& image, const cv::Ptr<cv::aruco::Dictionary>&
   return markers;
 }
 
-std::vector<BoardCorner> find_charuco(const cv::Mat& image, const Board& board) {
-  const auto dictionary = dictionary_of(board.dictionary);
-  const auto charuco = cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_m),
-                                                       static_cast<float>(board.marker_m), dictionary);
-  const auto markers = find_markers(image, dictionary, 1);
-  std::vector<BoardCorner> corners;
-  if (markers.ids.empty()) return corners;
+/// Corners by the layout of this OpenCV, whose first square is black. A board whose first square is white is the lower
+/// part of one that has a row more.
+std::vector<BoardCorner> charuco_corners(const cv::Mat& image, const Board& board, Markers markers, bool is_legacy) {
+  const int added = is_legacy ? 1 : 0;
+  const auto charuco =
+      cv::aruco::CharucoBoard::create(board.columns, board.rows + added, static_cast<float>(board.square_m),
+                                      static_cast<float>(board.marker_m), dictionary_of(board.dictionary));
+  for (auto& id : markers.ids) id += markers_above(board, added, false);
   std::vector<cv::Point2f> points;
   std::vector<int> ids;
   cv::aruco::interpolateCornersCharuco(markers.corners, markers.ids, image, charuco, points, ids);
-  for (std::size_t i = 0; i < ids.size(); ++i) corners.push_back({ids[i], points[i].x, points[i].y});
+  std::vector<BoardCorner> corners;
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    if (const int corner = ids[i] - added * (board.columns - 1); corner >= 0)
+      corners.push_back({corner, points[i].x, points[i].y});
   return corners;
 }
 
-std::vector<BoardCorner> find_aprilgrid(const cv::Mat& image, const Board& board) {
+SeenBoard find_charuco(const cv::Mat& image, const Board& board) {
+  const auto markers = find_markers(image, dictionary_of(board.dictionary), 1);
+  SeenBoard seen;
+  if (markers.ids.empty()) return seen;
+  const auto layout = layout_of(markers, board);
+  seen.misfit = layout.misfit;
+  if (seen.misfit.empty()) seen.corners = charuco_corners(image, board, markers, layout.is_legacy);
+  return seen;
+}
+
+SeenBoard find_aprilgrid(const cv::Mat& image, const Board& board) {
   const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
   // Kalibr prints tags with a border of two cells, other programs with one.
   Markers markers = find_markers(image, dictionary, 2);
   if (markers.ids.empty()) markers = find_markers(image, dictionary, 1);
+  SeenBoard seen;
+  if (markers.ids.empty()) return seen;
+  seen.misfit = layout_of(markers, board).misfit;
+  if (!seen.misfit.empty()) return seen;
   std::vector<cv::Point2f> points;
-  std::vector<BoardCorner> corners;
+  auto& corners = seen.corners;
   for (std::size_t i = 0; i < markers.ids.size(); ++i) {
     if (markers.ids[i] >= board.columns * board.rows) continue;
     for (int k = 0; k < 4; ++k) {
@@ -59,7 +73,7 @@ std::vector<BoardCorner> find_aprilgrid(const cv::Mat& image, const Board& board
       points.push_back(markers.corners[i][static_cast<std::size_t>(k)]);
     }
   }
-  if (points.empty()) return {};
+  if (points.empty()) return seen;
   // Where the squares between tags touch a tag, its corner is a saddle: refined as that of a chessboard, within what
   // the gap between tags leaves.
   const double tag_px = std::sqrt(cv::contourArea(markers.corners.front()));
@@ -68,16 +82,16 @@ std::vector<BoardCorner> find_aprilgrid(const cv::Mat& image, const Board& board
     corners[i].u_px = points[i].x;
     corners[i].v_px = points[i].y;
   }
-  return corners;
+  return seen;
 }
 
 }  // namespace
 
-std::vector<BoardCorner> find_marked_board(const cv::Mat& image, const Board& board) {
+SeenBoard find_marked_board(const cv::Mat& image, const Board& board) {
   return board.kind == BoardKind::charuco ? find_charuco(image, board) : find_aprilgrid(image, board);
 }
 
 }  // namespace flies
 #else
-std::vector<flies::BoardCorner> flies::find_marked_board(const cv::Mat&, const Board&) { return {}; }
+flies::SeenBoard flies::find_marked_board(const cv::Mat&, const Board&) { return {}; }
 #endif

@@ -53,8 +53,31 @@ inline Print print_charuco(const Board& board) {
   return print;
 }
 
+/// As OpenCV printed boards of an even count of rows before its release 4.6: the upper left square is white.
+inline Print print_legacy_charuco(const Board& board) {
+  const auto px = [](double metres) { return static_cast<int>(std::lround(metres * kPrint_px_per_m)); };
+  const int square = px(board.square_m), side = px(board.marker_m), margin = (square - side) / 2;
+  Print print{cv::Mat((board.rows + 2) * square, (board.columns + 2) * square, CV_8U, cv::Scalar(255)),
+              kPrint_px_per_m,
+              {2.0 * square - 0.5, 2.0 * square - 0.5}};
+  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100);
+  for (int j = 0, id = 0; j < board.rows; ++j)
+    for (int i = 0; i < board.columns; ++i) {
+      const int u = (i + 1) * square, v = (j + 1) * square;
+      if ((i + j) % 2 == 1) {
+        print.picture(cv::Rect(u, v, square, square)).setTo(cv::Scalar(0));
+        continue;
+      }
+      cv::Mat marker;
+      cv::aruco::drawMarker(dictionary, id++, side, marker, 1);
+      marker.copyTo(print.picture(cv::Rect(u + margin, v + margin, side, side)));
+    }
+  return print;
+}
+
 /// As Kalibr prints it: two cells of border, black squares where tags meet.
-inline Print print_aprilgrid(const Board& board) {
+/// @param is_from_top as others number tags
+inline Print print_aprilgrid(const Board& board, bool is_from_top = false) {
   const auto px = [](double metres) { return static_cast<int>(std::lround(metres * kPrint_px_per_m)); };
   const int tag = px(board.square_m), gap = px(board.marker_m), step = tag + gap;
   Print print{cv::Mat(board.rows * step + 3 * gap, board.columns * step + 3 * gap, CV_8U, cv::Scalar(255)),
@@ -65,7 +88,8 @@ inline Print print_aprilgrid(const Board& board) {
     for (int i = 0; i < board.columns; ++i) {
       cv::Mat marker;
       cv::aruco::drawMarker(dictionary, j * board.columns + i, tag, marker, 2);
-      marker.copyTo(print.picture(cv::Rect(2 * gap + i * step, 2 * gap + (board.rows - 1 - j) * step, tag, tag)));
+      marker.copyTo(print.picture(
+          cv::Rect(2 * gap + i * step, 2 * gap + (is_from_top ? j : board.rows - 1 - j) * step, tag, tag)));
     }
   for (int j = 0; j <= board.rows; ++j)
     for (int i = 0; i <= board.columns; ++i)

@@ -5,6 +5,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 
+#include "flies/rig/focal_deviation_module.hpp"
+
 namespace flies {
 namespace {
 
@@ -41,11 +43,6 @@ Points points_of(const std::vector<BoardPair>& pairs, const Board& board) {
   return points;
 }
 
-/// Deviations of fx and fy come first.
-double relative_focal_deviation(const cv::Mat& deviations, const cv::Mat& m) {
-  return std::max(deviations.at<double>(0) / m.at<double>(0, 0), deviations.at<double>(1) / m.at<double>(1, 1));
-}
-
 /// Whether the lens maps larger angles to larger radii over the whole image: a polynomial does so only where it was
 /// fitted.
 bool is_monotonic(const cv::Mat& m, const cv::Mat& d, const cv::Size& size) {
@@ -61,22 +58,20 @@ bool is_monotonic(const cv::Mat& m, const cv::Mat& d, const cv::Size& size) {
   return true;
 }
 
-struct PinholeSolution {
+struct CameraSolution {
   Cameras cameras;
-  double rms_px = 0.0, focal_deviation = 0.0;
+  double rms_px = 0.0;        ///< of both together
+  double alone_rms_px = 0.0;  ///< of each alone, the worse
 };
 
-PinholeSolution solve_pinholes(const Points& points, const cv::Size& size, int flags) {
-  PinholeSolution solution;
+CameraSolution solve_pinholes(const Points& points, const cv::Size& size, int flags) {
+  CameraSolution solution;
   auto& c = solution.cameras;
   std::vector<cv::Mat> turns, shifts;
-  cv::Mat deviations, poses, errors, e, f;
-  const auto calibrate = [&](const ImagePoints& seen, cv::Mat& m, cv::Mat& d) {
-    cv::calibrateCamera(points.board, seen, size, m, d, turns, shifts, deviations, poses, errors, flags);
-    solution.focal_deviation = std::max(solution.focal_deviation, relative_focal_deviation(deviations, m));
-  };
-  calibrate(points.left, c.m1, c.d1);
-  calibrate(points.right, c.m2, c.d2);
+  cv::Mat e, f;
+  solution.alone_rms_px =
+      std::max(cv::calibrateCamera(points.board, points.left, size, c.m1, c.d1, turns, shifts, flags),
+               cv::calibrateCamera(points.board, points.right, size, c.m2, c.d2, turns, shifts, flags));
   solution.rms_px = cv::stereoCalibrate(points.board, points.left, points.right, c.m1, c.d1, c.m2, c.d2, size, c.r, c.t,
                                         e, f, cv::CALIB_USE_INTRINSIC_GUESS | flags,
                                         {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-7});
@@ -84,7 +79,7 @@ PinholeSolution solve_pinholes(const Points& points, const cv::Size& size, int f
 }
 
 /// The third radial coefficient is let free where it explains something and does no harm beyond the corners.
-PinholeSolution solve_pinholes(const Points& points, const cv::Size& size) {
+CameraSolution solve_pinholes(const Points& points, const cv::Size& size) {
   constexpr double kWorthwhile = 0.95;
   const auto simple = solve_pinholes(points, size, cv::CALIB_FIX_K3), full = solve_pinholes(points, size, 0);
   const bool is_better = full.rms_px < kWorthwhile * simple.rms_px &&
@@ -107,18 +102,19 @@ std::vector<std::vector<Out>> doubled(const std::vector<std::vector<In>>& points
   return result;
 }
 
-Cameras solve_fisheyes(const Points& points, const cv::Size& size) {
+CameraSolution solve_fisheyes(const Points& points, const cv::Size& size) {
   const auto board = doubled<cv::Point3d>(points.board);
   const auto left = doubled<cv::Point2d>(points.left), right = doubled<cv::Point2d>(points.right);
   const int flags = cv::fisheye::CALIB_RECOMPUTE_EXTRINSIC | cv::fisheye::CALIB_FIX_SKEW;
   const cv::TermCriteria end{cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-8};
-  Cameras c;
+  CameraSolution solution;
+  auto& c = solution.cameras;
   std::vector<cv::Vec3d> turns, shifts;
-  cv::fisheye::calibrate(board, left, size, c.m1, c.d1, turns, shifts, flags, end);
-  cv::fisheye::calibrate(board, right, size, c.m2, c.d2, turns, shifts, flags, end);
-  cv::fisheye::stereoCalibrate(board, left, right, c.m1, c.d1, c.m2, c.d2, size, c.r, c.t,
-                               cv::fisheye::CALIB_FIX_INTRINSIC | cv::fisheye::CALIB_FIX_SKEW, end);
-  return c;
+  solution.alone_rms_px = std::max(cv::fisheye::calibrate(board, left, size, c.m1, c.d1, turns, shifts, flags, end),
+                                   cv::fisheye::calibrate(board, right, size, c.m2, c.d2, turns, shifts, flags, end));
+  solution.rms_px = cv::fisheye::stereoCalibrate(board, left, right, c.m1, c.d1, c.m2, c.d2, size, c.r, c.t,
+                                                 cv::fisheye::CALIB_FIX_INTRINSIC | cv::fisheye::CALIB_FIX_SKEW, end);
+  return solution;
 }
 
 Rectified rectified(const Cameras& c, const cv::Size& size, bool is_fisheye) {
@@ -154,18 +150,31 @@ std::vector<cv::Point2f> projected(const std::vector<cv::Point3f>& points, const
 
 constexpr double kDegrees = 180.0 / CV_PI;
 
-/// What one view says of the solution. The board's pose is that which the left image shows.
-ViewError error_of(const Points& points, std::size_t view, const Cameras& c, const Rectified& to, bool is_fisheye) {
+/// Where a board stands before both cameras.
+struct Pose {
+  cv::Mat turn, shift, right_turn, right_shift, rotation;
+};
+
+/// That which the left image shows.
+Pose pose_of(const Points& points, std::size_t view, const Cameras& c, bool is_fisheye) {
+  const auto ideal =
+      undistorted(points.left[view], c.m1, c.d1, cv::Mat::eye(3, 3, CV_64F), cv::Mat::eye(3, 4, CV_64F), is_fisheye);
+  Pose pose;
+  cv::solvePnP(points.board[view], ideal, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), pose.turn, pose.shift);
+  cv::Rodrigues(pose.turn, pose.rotation);
+  cv::Rodrigues(c.r * pose.rotation, pose.right_turn);
+  pose.right_shift = c.r * pose.shift + c.t;
+  return pose;
+}
+
+/// What one view says of the solution.
+ViewError error_of(const Points& points, std::size_t view, const Pose& pose, const Cameras& c, const Rectified& to,
+                   bool is_fisheye) {
   const auto& board = points.board[view];
   const auto &left = points.left[view], &right = points.right[view];
-  const auto ideal = undistorted(left, c.m1, c.d1, cv::Mat::eye(3, 3, CV_64F), cv::Mat::eye(3, 4, CV_64F), is_fisheye);
-  cv::Mat turn, shift, right_turn, right_shift, rotation;
-  cv::solvePnP(board, ideal, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, shift);
-  cv::Rodrigues(turn, rotation);
-  cv::Rodrigues(c.r * rotation, right_turn);
-  right_shift = c.r * shift + c.t;
-  const auto left_seen = projected(board, turn, shift, c.m1, c.d1, is_fisheye);
-  const auto right_seen = projected(board, right_turn, right_shift, c.m2, c.d2, is_fisheye);
+  const auto& rotation = pose.rotation;
+  const auto left_seen = projected(board, pose.turn, pose.shift, c.m1, c.d1, is_fisheye);
+  const auto right_seen = projected(board, pose.right_turn, pose.right_shift, c.m2, c.d2, is_fisheye);
   const auto left_rows = undistorted(left, c.m1, c.d1, to.r1, to.p1, is_fisheye);
   const auto right_rows = undistorted(right, c.m2, c.d2, to.r2, to.p2, is_fisheye);
   ViewError error;
@@ -178,7 +187,7 @@ ViewError error_of(const Points& points, std::size_t view, const Cameras& c, con
     error.corners.push_back(corner);
   }
   error.rms_px = std::sqrt(squares / (2.0 * static_cast<double>(board.size())));
-  error.distance_m = cv::norm(shift);
+  error.distance_m = cv::norm(pose.shift);
   // The board's normal, turned towards where the camera looks: to which side it leans away.
   cv::Vec3d normal(rotation.at<double>(0, 2), rotation.at<double>(1, 2), rotation.at<double>(2, 2));
   if (normal[2] < 0.0) normal = -normal;
@@ -205,22 +214,22 @@ RigSolution solve_rig(const std::vector<BoardPair>& pairs, const Board& board, i
   const bool is_fisheye = lens == Lens::equidistant;
   const cv::Size size(width_px, height_px);
   const Points points = points_of(pairs, board);
-  RigSolution solution;
-  Cameras c;
-  if (is_fisheye) {
-    c = solve_fisheyes(points, size);
-  } else {
-    const auto pinholes = solve_pinholes(points, size);
-    c = pinholes.cameras;
-    solution.focal_deviation = pinholes.focal_deviation;
-  }
+  const auto solved = is_fisheye ? solve_fisheyes(points, size) : solve_pinholes(points, size);
+  const Cameras& c = solved.cameras;
   const Rectified to = rectified(c, size, is_fisheye);
+  RigSolution solution;
+  solution.alone_rms_px = solved.alone_rms_px;
   solution.raw = {width_px, height_px, camera_of(c.m1, c.d1, lens), camera_of(c.m2, c.d2, lens), {}, {}};
   std::ranges::copy(listed(c.r), solution.raw.rotation.begin());
   std::ranges::copy(listed(c.t), solution.raw.translation_m.begin());
+  FocalEvidence left{c.m1, c.d1, is_fisheye, points.board, {}, {}, 0.0};
+  FocalEvidence right{c.m2, c.d2, is_fisheye, points.board, {}, {}, 0.0};
   double squares = 0.0, rows = 0.0, corners = 0.0;
   for (std::size_t view = 0; view < pairs.size(); ++view) {
-    const auto& error = solution.views.emplace_back(error_of(points, view, c, to, is_fisheye));
+    const Pose pose = pose_of(points, view, c, is_fisheye);
+    left.turns.push_back(pose.turn), left.shifts.push_back(pose.shift);
+    right.turns.push_back(pose.right_turn), right.shifts.push_back(pose.right_shift);
+    const auto& error = solution.views.emplace_back(error_of(points, view, pose, c, to, is_fisheye));
     const auto count = static_cast<double>(error.corners.size());
     squares += error.rms_px * error.rms_px * count;
     rows += error.row_px * count;
@@ -228,6 +237,10 @@ RigSolution solve_rig(const std::vector<BoardPair>& pairs, const Board& board, i
   }
   solution.rms_px = std::sqrt(squares / corners);
   solution.row_px = rows / corners;
+  // However well corners fit, lens and board are not quite what the model says.
+  constexpr double kLeast_px = 0.1;
+  left.corner_deviation_px = right.corner_deviation_px = std::max(solution.rms_px, kLeast_px) / std::sqrt(2.0);
+  solution.focal_deviation = std::max(relative_focal_deviation(left), relative_focal_deviation(right));
   return solution;
 }
 
