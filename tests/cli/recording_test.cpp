@@ -308,7 +308,7 @@ TEST(Bags, WhatIsPassedOverIsTold) {
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(lines(result.out).size(), static_cast<std::size_t>(kPairs));
   EXPECT_THAT(result.err, HasSubstr("drive.bag: chunks are compressed with 'zip', expected none, zstd, lz4 or bz2; "
-                                    "1 such parts of the file are left out"));
+                                    "that part of the file is left out"));
 }
 
 TEST(Bags, WhatIsMissingIsNamed) {

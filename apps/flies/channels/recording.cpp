@@ -74,8 +74,11 @@ Recording::Recording(const std::string& path, const std::optional<std::array<std
   pair_up();
   for (const auto& topic : {left_, right_}) note_losses(topic);
   if (damaged_)
-    notes_.push_back(fmt::format("{}; {} such parts of the file are left out, with all that is in them",
-                                 damaged_->first.what(), damaged_->count));
+    notes_.push_back(
+        damaged_->count == 1
+            ? fmt::format("{}; that part of the file is left out, with all that is in it", damaged_->first.what())
+            : fmt::format("{}; {} such parts of the file are left out, with all that is in them",
+                          damaged_->first.what(), damaged_->count));
   if (!reader_->is_whole())
     notes_.push_back(fmt::format("{}: is cut off or damaged after {} pairs", path_, pairs_.size()));
 }
