@@ -101,7 +101,7 @@ bool is_other_board(const SeenBoards& seen) {
   constexpr std::size_t kEnough = 3;
   if (seen.without.size() < kEnough) return false;
   const auto& reason = seen.without.front().reason;
-  return is_misfit(reason) &&
+  return is_misfit(reason) && !reason.ends_with(flies::kPartOfBoard) &&
          std::ranges::all_of(seen.without, [&](const auto& view) { return view.reason == reason; });
 }
 

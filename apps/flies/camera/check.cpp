@@ -95,6 +95,20 @@ Checked check(const CheckArguments& arguments) {
   return checked;
 }
 
+/// What says that the calibration is not that of the cameras: nothing of the scene, of light and lenses, nor of how the
+/// camera is mounted.
+std::vector<std::string> doubts_on_rig(const Checked& checked, const std::string& calib) {
+  auto doubts = named(calib, texts(checked.run.calibration.notes, {flies::CalibrationNoteKind::doubt}));
+  flies::PairDiagnosis of_rig = checked.diagnosis();
+  of_rig.road_found = true;
+  of_rig.sides = {};
+  of_rig.noise = {};
+  of_rig.nearer_above.reset();
+  of_rig.dark_share = of_rig.bright_share = 0.0;
+  for (auto& complaint : flies::complaints(of_rig)) doubts.push_back(std::move(complaint));
+  return doubts;
+}
+
 std::string table(const Checked& checked) {
   const auto& d = checked.diagnosis();
   std::string text;
@@ -181,11 +195,7 @@ std::string fit_of_rig(const CheckArguments& arguments) {
     return fmt::format("does not fit the rig any more: rows lie up to {:.2f} px apart ({} corners); calibrate again",
                        worst_px, rows->corners);
   const auto apart = fmt::format("rows lie {:.2f} px apart at most ({} corners)", worst_px, rows->corners);
-  auto doubts = checked.to_check;
-  // Where nobody said how the camera is mounted, that it is mounted otherwise says nothing of the rig.
-  if (const auto mount = flies::mount_note(checked.mount());
-      mount && !checked.run.calibration.has_height && !checked.run.calibration.has_pitch)
-    std::erase(doubts, *mount);
+  const auto doubts = doubts_on_rig(checked, arguments.calib);
   if (doubts.empty()) return "fits the rig: " + apart;
   return fmt::format("may not fit the rig: {}, but check\n  - {}", apart, fmt::join(doubts, "\n  - "));
 }

@@ -107,7 +107,8 @@ LiveRequest live_request(LiveArguments& arguments) {
   request.stream.max_skew_s = 1e-3 * arguments.max_skew_ms;
   request.calib = arguments.calib;
   request.camera = arguments.camera;
-  request.corrections = corrections_for(arguments.corrections, arguments.method);
+  read_options_file(request.method);
+  request.corrections = corrections_for(arguments.corrections, request.method);
   request.method = arguments.method;
   request.following = following_options(arguments.method, arguments.following);
   request.classifier = classifier_of(arguments.method);

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 #include <thread>
+#include <tuple>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/core/pair_check.hpp"
@@ -157,17 +159,25 @@ bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
 /// Takes up what pairs show that come after the first ones: camera and options are fitted to it from the next pair on.
 /// @param images rectified, rows as they came
 void LiveRun::diagnose_later(const flies::GrayPair& images, double time_s) {
-  later_->offer(images, time_s);
-  auto found = later_->take(request_.stream.is_patient);
-  if (!found) return;
-  const bool is_over = is_settled(found->diagnosis, request_.corrections);
-  if (!is_over && (diagnosis_.diagnosis.can_be_trusted() || !found->diagnosis.diagnosis.can_be_trusted())) return;
-  for (const auto& note : found->diagnosis.notes)
-    if (std::ranges::find(diagnosis_.notes, note) == diagnosis_.notes.end()) say(note);
-  diagnosis_ = std::move(found->diagnosis);
-  calibration_->camera.mount = found->mount;
-  for (const auto& note : fit_options()) say(note);
-  if (is_over) later_.reset();
+  const auto before = std::pair(diagnosis_, calibration_->camera.mount);
+  try {
+    later_->offer(images, time_s);
+    auto found = later_->take(request_.stream.is_patient);
+    if (!found) return;
+    const bool is_over = is_settled(found->diagnosis, request_.corrections);
+    if (!is_over && (diagnosis_.diagnosis.can_be_trusted() || !found->diagnosis.diagnosis.can_be_trusted())) return;
+    diagnosis_ = std::move(found->diagnosis);
+    calibration_->camera.mount = found->mount;
+    const auto refusals = fit_options();
+    for (const auto& note : diagnosis_.notes)
+      if (std::ranges::find(before.first.notes, note) == before.first.notes.end()) say(note);
+    for (const auto& note : refusals) say(note);
+    if (is_over) later_.reset();
+  } catch (const flies::InputError& error) {  // options that do not go with the mount that was found
+    std::tie(diagnosis_, calibration_->camera.mount) = before;
+    later_.reset();
+    say(fmt::format("the camera is taken as mounted as before: {}", error.what()));
+  }
 }
 
 /// To the camera, and what was set meanwhile on top; a worker is made so for the next pair.
@@ -176,12 +186,13 @@ std::vector<std::string> LiveRun::fit_options() {
   std::vector<std::string> refusals;
   const std::lock_guard lock(mutex_);
   options_ = effective_options(request_.method, calibration_->camera);
-  for (const auto& [path, text] : settings_) {
-    try {
-      options_ = with_option(options_, path, text);
-    } catch (const flies::InputError& error) {
-      refusals.emplace_back(error.what());
-    }
+  try {  // together: one may need another
+    auto all = options_;
+    for (const auto& [path, text] : settings_) flies::set_option(all, path, text, "page");
+    flies::check_detector_options(all, "page");
+    options_ = all;
+  } catch (const flies::InputError& error) {
+    refusals.emplace_back(error.what());
   }
   options_changed_ = true;
   return refusals;
@@ -401,8 +412,11 @@ void LiveRun::set_option(const std::string& path, const std::string& text) {
     flies::set_option(following_, path, text, "options");
   } else {
     options_ = with_option(options_, path, text);
-    std::erase_if(settings_, [&](const auto& setting) { return setting.first == path; });
-    settings_.emplace_back(path, text);
+    const auto set = std::ranges::find(settings_, path, &Overrides::value_type::first);
+    if (set == settings_.end())
+      settings_.emplace_back(path, text);
+    else
+      set->second = text;
     preset_ = "custom";
   }
   options_changed_ = true;

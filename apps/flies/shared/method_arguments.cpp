@@ -39,11 +39,22 @@ void add_method_options(CLI::App& app, MethodArguments& arguments) {
   }
 }
 
+namespace {
+
+std::vector<flies::OptionSetting> settings_of_file(const MethodArguments& arguments) {
+  if (arguments.file_settings) return *arguments.file_settings;
+  return arguments.options_file.empty() ? std::vector<flies::OptionSetting>{}
+                                        : flies::load_options_yaml(arguments.options_file);
+}
+
+}  // namespace
+
+void read_options_file(MethodArguments& arguments) { arguments.file_settings = settings_of_file(arguments); }
+
 std::string people_model_of(const MethodArguments& arguments) {
   if (!arguments.model.empty()) return arguments.model;
-  if (!arguments.options_file.empty())
-    for (const auto& setting : flies::load_options_yaml(arguments.options_file))
-      if (setting.path == kPeopleModel) return setting.text;
+  for (const auto& setting : settings_of_file(arguments))
+    if (setting.path == kPeopleModel) return setting.text;
   return std::string(flies::preset_people_model(flies::preset_named(arguments.preset, "command line")));
 }
 
@@ -74,14 +85,13 @@ namespace {
 /// A preset with what the user sets.
 flies::DetectorOptions with_settings(flies::DetectorOptions options, const MethodArguments& arguments) {
   flies::TrackerOptions following;  // those of following are checked, whether or not this run follows
-  if (!arguments.options_file.empty())
-    for (const auto& setting : flies::load_options_yaml(arguments.options_file)) {
-      if (setting.path == kPeopleModel) continue;
-      if (is_of_following(setting.path))
-        flies::set_option(following, setting.path, setting.text, setting.source);
-      else
-        flies::set_option(options, setting.path, setting.text, setting.source);
-    }
+  for (const auto& setting : settings_of_file(arguments)) {
+    if (setting.path == kPeopleModel) continue;
+    if (is_of_following(setting.path))
+      flies::set_option(following, setting.path, setting.text, setting.source);
+    else
+      flies::set_option(options, setting.path, setting.text, setting.source);
+  }
   for (const auto& [path, text] : arguments.overrides) flies::set_option(options, path, text, "command line");
   flies::check_detector_options(options, "options");
   return options;
@@ -103,9 +113,8 @@ bool is_of_following(std::string_view path) { return path.starts_with("ego.") ||
 
 flies::TrackerOptions following_options(const MethodArguments& arguments, const Overrides& overrides) {
   flies::TrackerOptions options;
-  if (!arguments.options_file.empty())
-    for (const auto& setting : flies::load_options_yaml(arguments.options_file))
-      if (is_of_following(setting.path)) flies::set_option(options, setting.path, setting.text, setting.source);
+  for (const auto& setting : settings_of_file(arguments))
+    if (is_of_following(setting.path)) flies::set_option(options, setting.path, setting.text, setting.source);
   for (const auto& [path, text] : overrides) flies::set_option(options, path, text, "command line");
   return options;
 }

@@ -2,12 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "flies/io/images.hpp"
+#include "flies/io/options_yaml.hpp"
 #include "flies/io/writers.hpp"
 #include "flies/pipeline/detector.hpp"
 #include "flies/pipeline/tracker.hpp"
@@ -19,6 +21,7 @@
 struct MethodArguments {
   std::string preset = "default";
   std::string options_file;
+  std::optional<std::vector<flies::OptionSetting>> file_settings = {};  ///< what it says; none: it is yet to be read
   std::string model;    ///< of people, a name or a file; empty: not given
   Overrides overrides;  ///< dotted name and text, in no particular order
   int threads = 1;      ///< worker threads where neither the file nor the command line says how many
@@ -27,6 +30,10 @@ struct MethodArguments {
 /// Adds --preset, --options, --model, --seed, --threads and, hidden from the help because there are so many, every
 /// other option of the method by its dotted name. `arguments` must outlive the parsing.
 void add_method_options(CLI::App& app, MethodArguments& arguments);
+
+/// Reads the options file once and for all, for runs that ask for their options again later.
+/// @throws flies::InputError when it cannot be read
+void read_options_file(MethodArguments& arguments);
 
 /// Preset, then the YAML file, then the command line; the later one wins.
 /// @throws flies::InputError on an unknown preset, an unreadable file, an unknown option or a value out of range

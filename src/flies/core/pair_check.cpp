@@ -298,15 +298,27 @@ PairOrder order_of_pair(const RectifiedPair& pair, const StereoCamera& camera) {
   return is_swapped(rows.counts()) ? PairOrder::swapped : PairOrder::good;
 }
 
-std::vector<bool> parts_nearer_than(const RectifiedPair& pair, double disparity_px) {
+double nearer_than_road_px(const Projection& projection, const RoadPlane& road, int width_px, double v_px) {
+  constexpr double kRough = 1.2;
+  const double road_px =
+      std::max(projection.road_parallax_px(0.0, v_px, road), projection.road_parallax_px(width_px - 1.0, v_px, road));
+  return kRough * road_px + projection.disparity_offset_px();
+}
+
+std::vector<bool> parts_nearer_than(const RectifiedPair& pair, const std::function<double(double v_px)>& disparity_px) {
   constexpr int kStanding = 5, kHanging = 3;  // rows that are looked at first: what stands on the ground, what does not
   constexpr int kFewest = 2;
   const int factor = reduction_of(pair);
   EvidenceOfRows rows(pair, 0, -kPatchWidth_px, pair.left.width_px / factor / 2);
+  std::array<double, kGridRows> limits_px{};
+  for (int row = 0; row < kGridRows; ++row)
+    limits_px[static_cast<std::size_t>(row)] =
+        disparity_px(pair.left.height_px * (2.0 * row + 1.0) / (2.0 * kGridRows));
   const auto counts = [&] {
     std::array<int, kGridColumns> places{};
     for (const auto& place : rows.places())
-      places[static_cast<std::size_t>(place.column)] += (place.disparity_px - kNoise_px) * factor > disparity_px;
+      places[static_cast<std::size_t>(place.column)] +=
+          (place.disparity_px - kNoise_px) * factor > limits_px[static_cast<std::size_t>(place.row)];
     return places;
   };
   // What is near is wide: every other patch will do.

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "flies/core/gray_view.hpp"
+#include "flies/core/road.hpp"
 #include "flies/core/stereo_camera.hpp"
 
 namespace flies {
@@ -42,11 +44,16 @@ PairOrder order_of_pair(const RectifiedPair& pair, const StereoCamera& camera);
 
 /// Which parts of the left image, side by side and equally wide, show something at more disparity than this: what is
 /// nearer than who looks to the disparity expects. Some twenty patches are searched as far as half of the image
-/// (0.2 ms), the others only where something so near was found with these.
+/// (a fraction of a millisecond), the others only where something so near was found with these.
 /// @param pair both images of one size, at least 64 x 48 px
-/// @param disparity_px column in the left less that in the right image
+/// @param disparity_px column in the left less that in the right image, for a row: on the ground what is near is no
+/// news
 /// @returns one entry a part, from left to right; true where two places at least are that near
-std::vector<bool> parts_nearer_than(const RectifiedPair& pair, double disparity_px);
+std::vector<bool> parts_nearer_than(const RectifiedPair& pair, const std::function<double(double v_px)>& disparity_px);
+
+/// The disparity in a row of the left image from which on things stand on the road or hang above it, whatever their
+/// column: a fifth more than the road's.
+double nearer_than_road_px(const Projection& projection, const RoadPlane& road, int width_px, double v_px);
 
 /// Only the second half of `check_true_pair`. @throws InputError when left and right seem to be swapped
 void check_not_swapped(const RectifiedPair& pair, const StereoCamera& camera, const std::string& left_name,

@@ -169,11 +169,12 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
         "everything that far away?");
     return found;
   }
-  if (std::max(d.dark_share, d.bright_share) > kMuchHidden)
+  const bool is_hidden = std::max(d.dark_share, d.bright_share) > kMuchHidden;
+  if (is_hidden)
     found.push_back(fmt::format("nothing can be seen in much of the image: {}", what_hides(d)));
   else
     for (auto& complaint : complaints(d.sides)) found.push_back(std::move(complaint));
-  if (d.noise.is_much() && !d.sides.is_noisy_on_one_side())
+  if (d.noise.is_much() && (is_hidden || !d.sides.is_noisy_on_one_side()))
     found.push_back(fmt::format(
         "the images are noisy: pixels vary by {:.1f} grey levels at random and by {:.1f} with the scene, so "
         "things are missed; more light, a longer exposure or less gain help",

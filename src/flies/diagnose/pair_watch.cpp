@@ -85,7 +85,12 @@ bool shows_near_things(const RectifiedPair& pair, const StereoCamera& camera, do
   constexpr double kTolerance = 1.05;  // the near end is none to the pixel
   if (!(nearest_m > 0.0)) return false;
   const double nearest_px = kTolerance * camera.fx_px * camera.baseline_m / nearest_m;
-  return std::ranges::count(parts_nearer_than(pair, nearest_px + camera.cx_px - camera.cx_right_px), true) > 0;
+  const Projection projection(camera);
+  const auto parts = parts_nearer_than(pair, [&](double v_px) {
+    return std::max(nearest_px + projection.disparity_offset_px(),
+                    nearer_than_road_px(projection, {}, pair.left.width_px, v_px));
+  });
+  return std::ranges::count(parts, true) > 0;
 }
 
 }  // namespace

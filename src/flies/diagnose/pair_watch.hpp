@@ -29,8 +29,8 @@ inline constexpr std::size_t kPairTroubles = 8;
 /// reported, or farther away than it is.
 std::optional<std::string> note_on_near_things(const RectifiedPair& pair, const StereoCamera& camera, double nearest_m);
 
-/// Looks at every pair of a run, as cheaply as can be (0.3 ms), for what the diagnosis of a few pairs does not see:
-/// faults that begin, or come and go, while the run lasts.
+/// Looks at every pair of a run, as cheaply as can be (less than a millisecond), for what the diagnosis of a few pairs
+/// does not see: faults that begin, or come and go, while the run lasts.
 class PairWatch {
  public:
   /// @param pair rectified, both images of one size, 64 x 48 px at least; the next one of the run

@@ -92,13 +92,17 @@ TEST(PairWatch, TellsWhichImageRepeats) {
 TEST(PairWatch, TellsWhatIsNearerThanIsLookedAt) {
   PairWatch watch;
   const GrayPair pair = pair_number(0);
-  const double range_m = camera().fx_px * camera().baseline_m / 10.0;
-  EXPECT_THAT(watch.look(pair.view(), camera(), "one", 0.7 * range_m), IsEmpty());
-  EXPECT_THAT(watch.look(pair.view(), camera(), "two", 1.5 * range_m),
+  StereoCamera high = camera();
+  high.mount.height_m = 30.0;  // all that is seen stands far above the road
+  const double range_m = high.fx_px * high.baseline_m / 10.0;
+  EXPECT_THAT(watch.look(pair.view(), high, "one", 0.7 * range_m), IsEmpty());
+  EXPECT_THAT(watch.look(pair.view(), high, "two", 1.5 * range_m),
               Contains(HasSubstr("two: something stands nearer than is looked at")));
   EXPECT_THAT(watch.counts(), Contains("1 of 2 pairs: something nearer than is looked at; the first: two"));
-  EXPECT_TRUE(note_on_near_things(pair.view(), camera(), 1.5 * range_m).has_value());
-  EXPECT_FALSE(note_on_near_things(pair.view(), camera(), 0.7 * range_m).has_value());
+  EXPECT_TRUE(note_on_near_things(pair.view(), high, 1.5 * range_m).has_value());
+  EXPECT_FALSE(note_on_near_things(pair.view(), high, 0.7 * range_m).has_value());
+  high.mount.height_m = 1.5;  // the road is as near where it is seen
+  EXPECT_FALSE(note_on_near_things(pair.view(), high, 1.5 * range_m).has_value());
 }
 
 }  // namespace

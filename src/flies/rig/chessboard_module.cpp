@@ -59,7 +59,8 @@ SeenBoard find_chessboard(const cv::Mat& image, const Board& board) {
     const cv::Size any = counts_of_any(image);
     const bool is_larger = any.area() > counts.area();
     if (is_larger || !find_in_small(image, counts, points)) {
-      if (any.area() > 0) seen.misfit = misfit_of(any, counts);
+      const bool is_alike = any == counts || any == cv::Size(counts.height, counts.width);
+      if (any.area() > 0 && !is_alike) seen.misfit = misfit_of(any, counts);
       return seen;
     }
   }

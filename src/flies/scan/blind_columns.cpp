@@ -68,9 +68,12 @@ std::vector<bool> blind_columns(const RectifiedPair& pair, const CellLayout& lay
   return blind;
 }
 
-std::vector<bool> too_near_columns(const RectifiedPair& pair, const CellLayout& layout) {
+std::vector<bool> too_near_columns(const RectifiedPair& pair, const CellLayout& layout, const Projection& projection,
+                                   const RoadPlane& road) {
   constexpr double kTolerance = 1.03;  // the nearest disparities are still told by their neighbours
-  const auto parts = parts_nearer_than(pair, kTolerance * layout.nearest_px);
+  const auto parts = parts_nearer_than(pair, [&](double v_px) {
+    return std::max(kTolerance * layout.nearest_px, nearer_than_road_px(projection, road, pair.left.width_px, v_px));
+  });
   std::vector<bool> near(static_cast<std::size_t>(layout.columns), false);
   for (int column = 0; column < layout.columns; ++column) {
     const double share = layout.middle_u_px(column) / pair.left.width_px;

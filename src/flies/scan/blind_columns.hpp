@@ -16,6 +16,7 @@ std::vector<bool> blind_columns(const RectifiedPair& pair, const CellLayout& lay
 /// The columns of cells that show something nearer than is matched, whose true disparity is none of those compared:
 /// what the scan says of them is made up, too.
 /// @returns one entry a column of `layout`
-std::vector<bool> too_near_columns(const RectifiedPair& pair, const CellLayout& layout);
+std::vector<bool> too_near_columns(const RectifiedPair& pair, const CellLayout& layout, const Projection& projection,
+                                   const RoadPlane& road);
 
 }  // namespace flies

@@ -160,13 +160,12 @@ void doubt_columns(const std::vector<bool>& columns, std::vector<CellPoint>& poi
 
 /// What is nearer than is matched seems to stand at the near end, or a little behind it. Where something seems to, it
 /// is asked whether there is something nearer; nothing is known there, then.
-void forget_what_is_too_near(const RectifiedPair& pair, const CellLayout& layout, const ScanOptions& options,
-                             std::vector<ColumnScan>& columns) {
+void forget_what_is_too_near(const RectifiedPair& pair, const Reading& r, std::vector<ColumnScan>& columns) {
   constexpr double kNearEnd = 1.4;
   const bool is_doubtful = std::ranges::any_of(
-      columns, [&](const ColumnScan& column) { return column.range_m < kNearEnd * options.x_min_m; });
+      columns, [&](const ColumnScan& column) { return column.range_m < kNearEnd * r.options.x_min_m; });
   if (!is_doubtful) return;
-  const auto too_near = too_near_columns(pair, layout);
+  const auto too_near = too_near_columns(pair, r.layout, r.projection, r.road);
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (too_near[i]) columns[i] = {};
 }
@@ -235,7 +234,7 @@ Scan Scanner::scan(const RectifiedPair& given, const Projection& projection, con
   std::vector<double> memory;
   for (int column = 0; column < layout_.columns; ++column)
     columns.push_back(read_column(reading, column, labels[static_cast<std::size_t>(column)], field.x_max_m, memory));
-  forget_what_is_too_near(pair, layout_, options, columns);
+  forget_what_is_too_near(pair, reading, columns);
 
   Scan result;
   result.angle_increment_rad = radians(options.angle_increment_deg);
