@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -86,11 +87,19 @@ std::optional<flies::RecordedMessage> next_whole(flies::RecordingReader& reader)
   }
 }
 
+/// A message may be refused the second time, but is never another.
+void check_found_again(flies::RecordingReader& reader, const flies::RecordedMessage& message) {
+  try {
+    if (reader.at(message.place).data != message.data) std::abort();
+  } catch (const flies::InputError&) {
+  }
+}
+
 void read_recording(const std::string& file) {
   const auto reader = flies::open_recording(file);
   std::vector<flies::RosCameraInfo> cameras;
   while (const auto message = next_whole(*reader)) {
-    reader->at(message->place);
+    check_found_again(*reader, *message);
     try {
       flies::ros_stamp_ns(*message, file);
       flies::ros_picture(*message, file);

@@ -91,6 +91,11 @@ std::optional<BagReader::Record> BagReader::next_in_chunk(Chunk& own) const {
     complain("a chunk is damaged");
   }
   record.fields = std::move(*fields);
+  const std::uint64_t operation = record.number("op");
+  if (!record.fields.empty() && operation != kConnection && operation != kMessage) {
+    own.position = own.records.size();
+    complain("a chunk holds a record that belongs in none");
+  }
   own.position += record.length;
   return record;
 }
@@ -117,9 +122,17 @@ void BagReader::read_index() {
   for (std::uint64_t at = index_; at >= kMagic.size() && at < size_;) {
     const auto record = read_record(at);
     if (!record) return;
-    if (record->number("op") == kConnection) take(*record, {});
+    if (record->number("op") == kConnection) take_connection(*record);
     at += record->length;
   }
+}
+
+/// @returns whether it is whole
+bool BagReader::take_connection(const Record& record) {
+  const auto fields = fields_of(record.data);
+  if (!fields || !fields->contains("type")) return false;
+  connections_[record.number("conn")] = {record.text("topic"), fields->at("type")};
+  return true;
 }
 
 std::optional<RecordedMessage> BagReader::take(const Record& record, const MessagePlace& place) {
@@ -128,12 +141,9 @@ std::optional<RecordedMessage> BagReader::take(const Record& record, const Messa
     case kBagHeader:
       index_ = record.number("index_pos");
       break;
-    case kConnection: {
-      const auto fields = fields_of(record.data);
-      if (!fields || !fields->contains("type")) complain("a connection is damaged");
-      connections_[record.number("conn")] = {record.text("topic"), fields->at("type")};
+    case kConnection:
+      if (!take_connection(record)) complain("a connection is damaged");
       break;
-    }
     case kMessage: {
       const Connection& own = connection(record.number("conn"));
       const std::uint64_t time = record.number("time");
@@ -171,7 +181,9 @@ std::optional<RecordedMessage> BagReader::next() {
 RecordedMessage BagReader::at(const MessagePlace& place) {
   if (chunk_at_.record != place.record || chunk_at_.records.empty()) {
     const auto record = read_record(place.record);
-    if (!record || record->number("op") != kChunk) complain("has changed while it was read");
+    const std::uint64_t operation = record ? record->number("op") : 0;
+    if (auto message = operation == kMessage ? take(*record, place) : std::nullopt) return *message;
+    if (!record || operation != kChunk) complain("has changed while it was read");
     chunk_at_ = {place.record, unpacked(*record), 0};
   }
   chunk_at_.position = place.in_chunk;

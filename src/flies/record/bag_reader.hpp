@@ -43,6 +43,7 @@ class BagReader final : public RecordingReader {
   std::optional<Record> read_record(std::uint64_t position);
   std::optional<Record> next_in_chunk(Chunk& chunk) const;
   std::optional<RecordedMessage> take(const Record& record, const MessagePlace& place);
+  bool take_connection(const Record& record);
   const Connection& connection(std::uint64_t id);
   void read_index();
   std::string unpacked(const Record& chunk) const;

@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lz4frame.h>
+#include <sys/resource.h>
 
 #include <fstream>
+#include <map>
 #include <vector>
 
 #include "flies/core/error.hpp"
@@ -139,6 +141,88 @@ TEST(Bag, WhatIsDamagedIsPassedOver) {
   EXPECT_EQ(messages[0].data, "second");
   EXPECT_EQ(reader.at(messages[0].place).data, "second");
   EXPECT_THAT(faults, ::testing::ElementsAre(HasSubstr("a chunk is damaged"), HasSubstr("a record is damaged")));
+}
+
+std::string chunk_of(const std::string& records) { return BagBytes::chunk("none", records, records.size()); }
+
+TEST(Bag, WhatBelongsInNoChunkIsRefusedThere) {
+  const testing::TemporaryFolder folder;
+  const std::string records = BagBytes::connection(0, "/a", "std_msgs/A") + BagBytes::message({0, 0, "first"});
+  const std::string inner = chunk_of(BagBytes::message({0, 0, "inner"}));
+  const std::string last = chunk_of(BagBytes::message({0, kSecond_ns, "last"}));
+  const std::string header = BagBytes::start().substr(std::string("#ROSBAG V2.0\n").size());
+  for (const auto& odd : {inner, header}) {
+    BagReader reader(write(folder, BagBytes::start() + chunk_of(records + odd + records) + last));
+    const auto [messages, faults] = whole_part_of(reader);
+    ASSERT_EQ(messages.size(), 2U);
+    for (const auto& message : messages) EXPECT_EQ(reader.at(message.place).data, message.data);
+    EXPECT_EQ(messages[1].data, "last");
+    EXPECT_THAT(faults, ::testing::ElementsAre(HasSubstr("a chunk holds a record that belongs in none")));
+  }
+}
+
+TEST(Bag, MessagesOutsideOfChunksAreFoundAgain) {
+  const testing::TemporaryFolder folder;
+  const std::string connection = BagBytes::connection(0, "/a", "std_msgs/A");
+  BagReader reader(write(folder, BagBytes::start() + connection + BagBytes::message({0, 0, "first"}) +
+                                     chunk_of(BagBytes::message({0, 1, "second"})) +
+                                     BagBytes::message({0, 2, "third"})));
+  const auto messages = messages_of(reader);
+  ASSERT_EQ(messages.size(), 3U);
+  for (const std::size_t i : {2U, 1U, 0U}) EXPECT_EQ(reader.at(messages[i].place).data, messages[i].data);
+}
+
+TEST(Bag, ABadConnectionAtTheEndCostsNoOther) {
+  const testing::TemporaryFolder folder;
+  const std::string chunk = chunk_of(BagBytes::message({0, 0, "first"}));
+  const std::string bad = BagBytes::record(0x07, BagBytes::field("conn", BagBytes::number(std::uint32_t{1})), "odd");
+  BagReader reader(write(folder, BagBytes::start(BagBytes::start().size() + chunk.size()) + chunk + bad +
+                                     BagBytes::connection(0, "/a", "std_msgs/A")));
+  const auto [messages, faults] = whole_part_of(reader);
+  ASSERT_EQ(messages.size(), 1U);
+  EXPECT_EQ(messages[0].topic, "/a");
+  EXPECT_THAT(faults, ::testing::ElementsAre(HasSubstr("a connection is damaged")));
+}
+
+/// The most memory that this process ever had.
+long most_memory_kb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
+}
+
+TEST(Bag, DamagedChunksTakeNoMoreMemoryThanTheyUnpackTo) {
+  constexpr std::size_t kClaimed_bytes = 1U << 30U;
+  constexpr long kMost_kb = 200'000;
+  const testing::TemporaryFolder folder;
+  const std::string zstd("\x28\xB5\x2F\xFDrubbish");
+  const long before_kb = most_memory_kb();
+  for (const auto& [compression, packed] : std::map<std::string, std::vector<std::string>>{
+           {"zstd", {zstd, "rubbish"}}, {"lz4", {lz4("short"), "rubbish"}}, {"bz2", {bz2("short"), "rubbish"}}})
+    for (const auto& bytes : packed) {
+      BagReader reader(write(folder, BagBytes::start() + BagBytes::chunk(compression, bytes, kClaimed_bytes)));
+      EXPECT_THAT(whole_part_of(reader).second, ::testing::ElementsAre(HasSubstr("a chunk is damaged")));
+    }
+  EXPECT_LT(most_memory_kb() - before_kb, kMost_kb);
+}
+
+/// More than is set aside at first.
+TEST(Bag, ChunksThatPackWellAreUnpacked) {
+  const testing::TemporaryFolder folder;
+  const std::string data(3'000'000, 'x');
+  const std::string records = BagBytes::connection(0, "/a", "std_msgs/A") + BagBytes::message({0, 0, data});
+  for (const auto& [compression, packed] :
+       std::map<std::string, std::string>{{"lz4", lz4(records)}, {"bz2", bz2(records)}}) {
+    for (const int more : {-1, 0, 1}) {
+      const std::size_t size = records.size() + static_cast<std::size_t>(more);
+      BagReader reader(write(folder, BagBytes::start() + BagBytes::chunk(compression, packed, size)));
+      const auto messages = whole_part_of(reader).first;
+      ASSERT_EQ(messages.size(), more == 0 ? 1U : 0U) << compression << more;
+      if (more == 0) {
+        EXPECT_TRUE(messages[0].data == data);
+      }
+    }
+  }
 }
 
 /// Whatever byte is another, the reader ends, with its own error or with what it understood.

@@ -32,6 +32,9 @@ bool is_used(std::uint8_t opcode) {
   }
 }
 
+/// Whether a chunk may hold it; what is not used does no harm there.
+bool may_be_in_chunk(Opcode opcode) { return opcode != Opcode::chunk && opcode != Opcode::data_end; }
+
 }  // namespace
 
 void McapReader::complain(const std::string& what) const { throw InputError(path_, "", what); }
@@ -63,9 +66,20 @@ std::string McapReader::unpacked(const std::string& chunk) const {
   return result;
 }
 
-/// The channel of a message. Where the chunk that says it is damaged, the end of the file says it again.
+bool McapReader::knows_schema_of(const Channel& channel) const {
+  return channel.schema == 0 || schemas_.contains(channel.schema);  // 0: it has none
+}
+
+/// The name of a channel's schema; empty when it has none.
+std::string McapReader::schema_name(const Channel& channel) const {
+  const auto found = schemas_.find(channel.schema);
+  return found == schemas_.end() ? std::string() : found->second;
+}
+
+/// The channel of a message. Where the chunk that says it or its schema is damaged, the end of the file says it again.
 const McapReader::Channel& McapReader::channel(std::uint16_t id) {
-  if (!channels_.contains(id) && !has_summary_) read_summary();
+  const auto known = channels_.find(id);
+  if (!has_summary_ && (known == channels_.end() || !knows_schema_of(known->second))) read_summary();
   const auto found = channels_.find(id);
   if (found == channels_.end()) complain("a message is of no channel");
   return found->second;
@@ -89,30 +103,43 @@ void McapReader::read_summary() {
     const auto record = read_record(at);
     if (!record) return;
     const auto opcode = static_cast<Opcode>(record->opcode);
-    if (opcode == Opcode::schema || opcode == Opcode::channel) take(*record, {});
+    if (opcode == Opcode::schema) take_schema(*record);
+    if (opcode == Opcode::channel) take_channel(*record);
     at += record->length;
   }
+}
+
+/// @returns whether it is whole
+bool McapReader::take_schema(const Record& record) {
+  ByteTaker taker(record.content);
+  const auto id = static_cast<std::uint16_t>(taker.number(2));
+  std::string name = taker.text();
+  if (taker.is_good) schemas_[id] = std::move(name);
+  return taker.is_good;
+}
+
+/// @returns whether it is whole
+bool McapReader::take_channel(const Record& record) {
+  ByteTaker taker(record.content);
+  const auto id = static_cast<std::uint16_t>(taker.number(2));
+  Channel channel;
+  channel.schema = static_cast<std::uint16_t>(taker.number(2));
+  channel.topic = taker.text();
+  channel.encoding = taker.text();
+  if (taker.is_good) channels_[id] = std::move(channel);
+  return taker.is_good;
 }
 
 /// What a record says; a message when it is one.
 std::optional<RecordedMessage> McapReader::take(const Record& record, const MessagePlace& place) {
   ByteTaker taker(record.content);
   switch (static_cast<Opcode>(record.opcode)) {
-    case Opcode::schema: {
-      const auto id = static_cast<std::uint16_t>(taker.number(2));
-      schemas_[id] = taker.text();
+    case Opcode::schema:
+      if (!take_schema(record)) complain("a schema is damaged");
       break;
-    }
-    case Opcode::channel: {
-      const auto id = static_cast<std::uint16_t>(taker.number(2));
-      const auto schema = static_cast<std::uint16_t>(taker.number(2));
-      Channel channel;
-      channel.topic = taker.text();
-      channel.encoding = taker.text();
-      if (const auto found = schemas_.find(schema); found != schemas_.end()) channel.schema_name = found->second;
-      channels_[id] = std::move(channel);
+    case Opcode::channel:
+      if (!take_channel(record)) complain("a channel is damaged");
       break;
-    }
     case Opcode::message: {
       const auto id = static_cast<std::uint16_t>(taker.number(2));
       taker.number(4);
@@ -120,7 +147,7 @@ std::optional<RecordedMessage> McapReader::take(const Record& record, const Mess
       taker.number(8);
       if (!taker.is_good) complain("a message is damaged");
       const Channel& own = channel(id);
-      return RecordedMessage{own.topic, own.schema_name, own.encoding, time_ns, std::string(taker.rest()), place};
+      return RecordedMessage{own.topic, schema_name(own), own.encoding, time_ns, std::string(taker.rest()), place};
     }
     case Opcode::chunk:
       chunk_ = {place.record, unpacked(record.content), 0};
@@ -160,10 +187,10 @@ std::optional<McapReader::Record> McapReader::next_in_chunk(Chunk& chunk) const 
   record.opcode = static_cast<std::uint8_t>(taker.number(1));
   record.content = std::string(taker.take(taker.number(8)));
   record.length = kRecordHead + record.content.size();
-  const bool is_chunk = static_cast<Opcode>(record.opcode) == Opcode::chunk;
-  if (!taker.is_good || is_chunk) {
+  const bool belongs_here = may_be_in_chunk(static_cast<Opcode>(record.opcode));
+  if (!taker.is_good || !belongs_here) {
     chunk.position = chunk.records.size();  // what follows is no better
-    complain(is_chunk ? "a chunk holds another" : "a chunk is damaged");
+    complain(belongs_here ? "a chunk is damaged" : "a chunk holds a record that belongs in none");
   }
   chunk.position += record.length;
   return record;
@@ -190,10 +217,9 @@ RecordedMessage McapReader::at(const MessagePlace& place) {
   if (chunk_at_.record != place.record || chunk_at_.records.empty()) {
     const auto record = read_record(place.record);
     if (!record) complain("has changed while it was read");
-    if (static_cast<Opcode>(record->opcode) != Opcode::chunk) {
-      if (auto message = take(*record, place)) return *message;
-      complain("has changed while it was read");
-    }
+    const auto opcode = static_cast<Opcode>(record->opcode);
+    if (auto message = opcode == Opcode::message ? take(*record, place) : std::nullopt) return *message;
+    if (opcode != Opcode::chunk) complain("has changed while it was read");
     chunk_at_ = {place.record, unpacked(record->content), 0};
   }
   chunk_at_.position = place.in_chunk;

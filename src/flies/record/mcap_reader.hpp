@@ -23,7 +23,8 @@ class McapReader final : public RecordingReader {
 
  private:
   struct Channel {
-    std::string topic, schema_name, encoding;
+    std::uint16_t schema = 0;  ///< 0: none
+    std::string topic, encoding;
   };
 
   /// A chunk's records, and how far they are read.
@@ -41,7 +42,11 @@ class McapReader final : public RecordingReader {
   std::optional<Record> read_record(std::uint64_t position);
   std::optional<Record> next_in_chunk(Chunk& chunk) const;
   std::optional<RecordedMessage> take(const Record& record, const MessagePlace& place);
+  bool take_schema(const Record& record);
+  bool take_channel(const Record& record);
   const Channel& channel(std::uint16_t id);
+  bool knows_schema_of(const Channel& channel) const;
+  std::string schema_name(const Channel& channel) const;
   void read_summary();
   std::string unpacked(const std::string& chunk) const;
   [[noreturn]] void complain(const std::string& what) const;

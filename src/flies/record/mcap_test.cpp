@@ -155,6 +155,106 @@ TEST(Mcap, DamagedChunksArePassedOver) {
   }
 }
 
+/// What can be read of a recording, and the faults that were passed over.
+struct WholePart {
+  std::vector<RecordedMessage> messages;
+  std::vector<std::string> faults;
+};
+WholePart whole_part_of(RecordingReader& reader) {
+  WholePart part;
+  while (true) {
+    try {
+      auto message = reader.next();
+      if (!message) return part;
+      part.messages.push_back(std::move(*message));
+    } catch (const InputError& fault) {
+      part.faults.emplace_back(fault.what());
+    }
+  }
+}
+
+std::string record_of(mcap::Opcode opcode, const std::string& content) {
+  std::string bytes;
+  mcap::put_record(bytes, opcode, content);
+  return bytes;
+}
+std::string schema_record(std::string_view name) {
+  std::string content;
+  put_number(content, 1, 2);
+  for (const auto text : {name, std::string_view("jsonschema"), std::string_view("{}")}) mcap::put_text(content, text);
+  return record_of(mcap::Opcode::schema, content);
+}
+/// Of schema 1.
+std::string channel_record(std::string_view topic) {
+  std::string content;
+  for (const int id : {1, 1}) put_number(content, static_cast<std::uint64_t>(id), 2);
+  for (const auto text : {topic, std::string_view("json")}) mcap::put_text(content, text);
+  put_number(content, 0, 4);
+  return record_of(mcap::Opcode::channel, content);
+}
+std::string message_record(const std::string& data) {
+  std::string content;
+  put_number(content, 1, 2);
+  for (const int size : {4, 8, 8}) put_number(content, 0, size);
+  return record_of(mcap::Opcode::message, content + data);
+}
+std::string chunk_record(const std::string& records) {
+  std::string content;
+  for (const std::uint64_t number : {std::uint64_t{0}, std::uint64_t{0}, std::uint64_t{records.size()}})
+    put_number(content, number, 8);
+  put_number(content, 0, 4);  // no checksum
+  mcap::put_text(content, "");
+  put_number(content, records.size(), 8);
+  return record_of(mcap::Opcode::chunk, content + records);
+}
+/// A file of these records, and of these again at its end.
+std::string mcap_file(const std::string& records, const std::string& summary) {
+  std::string bytes = std::string(mcap::kMagic) + records + record_of(mcap::Opcode::data_end, std::string(4, '\0'));
+  std::string footer;
+  put_number(footer, bytes.size(), 8);
+  put_number(footer, 0, 8);
+  put_number(footer, 0, 4);
+  return bytes + summary + record_of(mcap::Opcode::footer, footer) + std::string(mcap::kMagic);
+}
+
+TEST(Mcap, WhatBelongsInNoChunkIsRefusedThere) {
+  const testing::TemporaryFolder folder;
+  const std::string records = schema_record("test.A") + channel_record("/a") + message_record("first");
+  const std::string end = record_of(mcap::Opcode::data_end, std::string(4, '\0'));
+  for (const auto& odd : {end, chunk_record(message_record("inner"))}) {
+    const std::string bytes = chunk_record(records + odd + records) + chunk_record(message_record("last"));
+    McapReader reader(folder.write("t.mcap", mcap_file(bytes, "")));
+    const auto part = whole_part_of(reader);
+    EXPECT_THAT(part.faults, ::testing::ElementsAre(HasSubstr("a chunk holds a record that belongs in none")));
+    ASSERT_EQ(part.messages.size(), 2U);
+    EXPECT_EQ(part.messages[1].data, "last");
+    EXPECT_TRUE(reader.is_whole());
+  }
+  const std::string unknown = record_of(static_cast<mcap::Opcode>(0x7F), "?");
+  McapReader reader(folder.write("t.mcap", mcap_file(chunk_record(records + unknown + message_record("last")), "")));
+  EXPECT_EQ(whole_part_of(reader).messages.size(), 2U);
+}
+
+TEST(Mcap, TheEndOfTheFileSaysSchemasAndChannelsThatAreDamaged) {
+  const testing::TemporaryFolder folder;
+  const std::string schema = schema_record("test.A"), channel = channel_record("/a"), message = message_record("m");
+  const auto cut = [](mcap::Opcode opcode) { return record_of(opcode, "\1"); };
+  const std::string cut_schema = cut(mcap::Opcode::schema), cut_channel = cut(mcap::Opcode::channel);
+  const auto check = [&](const std::string& records, const std::string& summary, std::size_t faults) {
+    McapReader reader(folder.write("t.mcap", mcap_file(records + message, summary)));
+    const auto part = whole_part_of(reader);
+    EXPECT_EQ(part.faults.size(), faults);
+    ASSERT_EQ(part.messages.size(), 1U);
+    EXPECT_EQ(part.messages[0].topic, "/a");
+    EXPECT_EQ(part.messages[0].schema_name, "test.A");
+    EXPECT_EQ(reader.at(part.messages[0].place).data, "m");
+  };
+  check(channel, schema + channel, 0);
+  check(channel + schema, "", 0);
+  check(schema + channel + cut_schema + cut_channel, "", 2);
+  check(cut_schema + cut_channel, cut_schema + cut_channel + schema + channel, 2);
+}
+
 /// The beginning of a recording, a record of a tebibyte of which nothing is stored, and the rest.
 void write_with_huge_record(const std::string& path, const std::string& good, mcap::Opcode opcode) {
   constexpr std::uint64_t kLength = std::uint64_t{1} << 40U;
