@@ -31,7 +31,7 @@ constexpr std::uint64_t kStart_ns = 1'700'000'000'000'000'000U;
 
 struct Topics {
   std::string left = "/rig/left/image_raw", right = "/rig/right/image_raw";
-  bool has_camera_info = true;
+  bool has_camera_info = true, has_camera_size = true;
   std::string encoding = "mono8";
   double level_factor = 1.0;                             ///< of the grey levels of mono16
   bool has_left_twice = false;                           ///< the left camera gives another picture 3 ms after each
@@ -72,7 +72,8 @@ void write_bag(const std::filesystem::path& path, const Topics& topics = {}) {
       if (!topics.has_camera_info) break;
       const double shift = connection == 2 ? 0.0 : -camera.fx_px * camera.baseline_m * topics.baseline_factor;
       records += BagBytes::message({connection, time_ns,
-                                    ros_camera_info(false, camera.width_px, camera.height_px, camera.fx_px, shift,
+                                    ros_camera_info(false, topics.has_camera_size ? camera.width_px : 0,
+                                                    topics.has_camera_size ? camera.height_px : 0, camera.fx_px, shift,
                                                     topics.distortion, camera.cx_px, camera.cy_px)});
     }
   }
@@ -254,13 +255,26 @@ TEST(Bags, BaselineOfTheUserOverrulesTheirs) {
 TEST(Bags, OptionsOfCalibrationFilesAreRefusedWithoutOne) {
   const TestFolder folder;
   write_bag(folder.path() / "drive.bag");
-  const std::vector<std::vector<std::string>> options = {
-      {"--right-calib", "right.yaml"}, {"--calib-size", "320,240"}, {"--cameras", "2,3"}};
+  const std::vector<std::vector<std::string>> options = {{"--right-calib", "right.yaml"}, {"--cameras", "2,3"}};
   for (const auto& option : options) {
     const RunResult result = track(folder, option);
     EXPECT_EQ(result.status, 2) << option[0];
     EXPECT_THAT(result.err, HasSubstr("drive.bag: " + option[0] + ": is for a calibration file (--calib)"));
   }
+}
+
+TEST(Bags, SizeOfTheCalibrationMayBeSaidWhereTheyDoNot) {
+  const TestFolder folder;
+  write_bag(folder.path() / "drive.bag", {.has_camera_size = false});
+  const StereoCamera camera = street_camera();
+  const auto read = [&](int factor) {
+    return track(folder, {"--calib-size",
+                          std::to_string(factor * camera.width_px) + "," + std::to_string(factor * camera.height_px)});
+  };
+  const RunResult same = read(1), halved = read(2);
+  EXPECT_EQ(same.status, 0) << same.err;
+  EXPECT_THAT(same.err, Not(HasSubstr("scaled by")));
+  EXPECT_THAT(halved.err, HasSubstr("scaled by 0.5 to the images"));
 }
 
 TEST(Bags, PicturesWithoutStampsHaveTheTimesOfTheirMessages) {
@@ -390,6 +404,12 @@ TEST(OwnRecordings, FaultsOfTheirCalibrationAreNamed) {
   const RunResult good = run(calibration_message(false));
   EXPECT_EQ(good.status, 0) << good.err;
   EXPECT_EQ(lines(good.out).size(), 1U);
+  for (const std::vector<std::string>& option : {std::vector<std::string>{"--calib-size", "320,240"}, {"--raw"}}) {
+    std::vector<std::string> words = {"track", "street.mcap"};
+    words.insert(words.end(), option.begin(), option.end());
+    EXPECT_THAT(run_flies(folder.path(), words).err,
+                HasSubstr("street.mcap: " + option[0] + ": is for a calibration file (--calib)"));
+  }
   write_mcap(folder.path() / "street.mcap", {{"/left", "x"}, {"/right", "x"}}, "foxglove.RawImage");
   const RunResult unread = run_flies(folder.path(), {"track", "street.mcap"});
   EXPECT_EQ(unread.status, 2);

@@ -44,11 +44,12 @@ std::uint64_t picture_time_ns(const flies::RecordedMessage& message, const std::
 /// @param is_our_own its pictures are rectified, of the calibration's size
 /// @throws InputError naming an option that says how a calibration file is to be read
 void refuse_options_of_files(const CameraArguments& arguments, bool is_our_own, const std::string& path) {
-  const std::array<std::pair<const char*, bool>, 5> options = {{{"--right-calib", !arguments.right_calib.empty()},
-                                                                {"--calib-size", !arguments.calibrated_size_px.empty()},
-                                                                {"--raw", is_our_own && arguments.is_raw},
-                                                                {"--resized", is_our_own && arguments.is_resized},
-                                                                {"--cameras", !arguments.cameras.empty()}}};
+  const std::array<std::pair<const char*, bool>, 5> options = {
+      {{"--right-calib", !arguments.right_calib.empty()},
+       {"--calib-size", is_our_own && !arguments.calibrated_size_px.empty()},
+       {"--raw", is_our_own && arguments.is_raw},
+       {"--resized", is_our_own && arguments.is_resized},
+       {"--cameras", !arguments.cameras.empty()}}};
   for (const auto& [option, is_given] : options)
     if (is_given)
       throw flies::InputError(path, option,
