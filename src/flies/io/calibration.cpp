@@ -202,11 +202,15 @@ double detail::missing_baseline(const CalibrationRequest& request, const std::st
   throw InputError(source, key, "is missing: say how far the cameras stand apart (--baseline M)");
 }
 
+void detail::check_asked_baseline(double baseline_m, const std::string& source) {
+  if (!(baseline_m > 0.0) || !std::isfinite(baseline_m))
+    throw InputError(source, "baseline", fmt::format("{} m was asked for, expected more than 0", baseline_m));
+}
+
 void detail::override_baseline(double baseline_m, const std::string& source, Calibration& calibration) {
   const double found_m = calibration.camera.baseline_m;
   if (!(found_m >= 0.0) || (found_m == 0.0 && calibration.rectifier)) return;
-  if (!(baseline_m > 0.0) || !std::isfinite(baseline_m))
-    throw InputError(source, "baseline", fmt::format("{} m was asked for, expected more than 0", baseline_m));
+  check_asked_baseline(baseline_m, source);
   constexpr double kSame = 1e-9;
   if (std::abs(found_m - baseline_m) <= kSame * baseline_m) return;
   calibration.camera.baseline_m = baseline_m;

@@ -54,6 +54,9 @@ Calibration completed(Calibration calibration, const CalibrationRequest& request
 /// @throws InputError naming --baseline unless the user says it
 double missing_baseline(const CalibrationRequest& request, const std::string& source, const std::string& key);
 
+/// @throws InputError when the baseline that the user says is not above 0
+void check_asked_baseline(double baseline_m, const std::string& source);
+
 /// Takes the baseline that the user says, in the direction that was read, with a note. 0 of rectified cameras is one
 /// that the file leaves out; one that was read as below 0, or as 0 of raw cameras, is left to who refuses it.
 /// @throws InputError when it is not above 0

@@ -200,9 +200,12 @@ bool are_in_one_place(const RectifiedView& left, const RectifiedView& right) {
   return a[3] / a[0] == b[3] / b[0] && a[7] / a[5] == b[7] / b[5];
 }
 
-/// @throws InputError naming the right camera's projection unless the user says it
+/// @throws InputError when it is not above 0; naming the right camera's projection unless the user says it
 double baseline_of_the_user(const CalibrationRequest& request, const RosCamera& right) {
-  if (request.baseline_m) return *request.baseline_m;
+  if (request.baseline_m) {
+    check_asked_baseline(*request.baseline_m, right.table.source);
+    return *request.baseline_m;
+  }
   throw InputError(right.table.source, right.projection().key,
                    "says that both cameras stand in one place, as where each was calibrated alone: say how far they "
                    "stand apart (--baseline M)");

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "flies/io/calibration_formats.hpp"
+#include "flies/io/formats/lens_names.hpp"
 
 namespace flies {
 namespace {
@@ -64,10 +65,10 @@ NumberTable table_of(const RosCameraInfo& camera, const std::string& source) {
 bool is_rectified_by_nature(const RosCameraInfo& camera) {
   constexpr Matrix kIdentity = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   const bool is_turned = !is_zero(camera.rectification) && camera.rectification != kIdentity;
-  const auto& model = camera.distortion_model;
   // A fisheye without coefficients still maps angles to pixels in equal steps. Unknown models are told by who reads
   // them.
-  const bool is_straight = model.empty() || model == "none" || model == "plumb_bob" || model == "rational_polynomial";
+  const auto lens = detail::known_lens(table_of(camera, "").word(prefix_of(camera) + "distortion_model"));
+  const bool is_straight = lens == Lens::brown;
   return is_straight && !is_turned && is_zero(camera.distortion) && keeps_its_pixels(camera);
 }
 

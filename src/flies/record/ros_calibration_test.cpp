@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "flies/core/error.hpp"
 
@@ -105,6 +106,11 @@ TEST(RosCalibration, PicturesAreRectifiedByNatureWhereNothingIsToDo) {
   EXPECT_TRUE(Rig().is_rectified());
   EXPECT_TRUE(Rig().with([](auto& camera) { camera.distortion = {0, 0, 0, 0, 0}; }).is_rectified());
   EXPECT_TRUE(Rig().with([](auto& camera) { camera.distortion_model = ""; }).is_rectified());
+  for (const char* model : {"radtan", "Brown Conrady", "rational_polynomial", "none"}) {
+    Rig rig;
+    for (RosCameraInfo* camera : {&rig.left, &rig.right}) camera->distortion_model = model;
+    EXPECT_TRUE(rig.is_rectified()) << model;
+  }
   EXPECT_TRUE(Rig().with([](auto& camera) { camera.rectification = {}; }).is_rectified());
   EXPECT_FALSE(Rig().with(bend).is_rectified());
   for (const std::size_t number : {0U, 2U, 5U, 6U})  // fx, cx, fy, cy
@@ -174,6 +180,9 @@ TEST(RosCalibration, BaselineOfTheUserStandsInWhereEachCameraWasCalibratedAlone)
               Contains(HasSubstr("/r/camera_info P says that both cameras stand in one place")));
   EXPECT_THAT([&] { rig.read_raw(); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("f: /r/camera_info P: "), HasSubstr("(--baseline M)"))));
+  for (const double baseline_m : {-0.3, 0.0, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THAT([&] { rig.read_raw(with_baseline(baseline_m)); },
+                ThrowsMessage<InputError>(HasSubstr("m was asked for, expected more than 0")));
 }
 
 TEST(RosCalibration, CamerasThatAreNotCalibratedAreTold) {

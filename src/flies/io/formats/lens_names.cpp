@@ -54,12 +54,6 @@ constexpr NamedLens kLenses[] = {{"", Lens::brown},
                                  {"mei", Lens::mei},
                                  {"fov", Lens::fov}};
 
-std::optional<Lens> known_lens(const std::string& word) {
-  const auto* found =
-      std::find_if(std::begin(kLenses), std::end(kLenses), [&](const NamedLens& lens) { return word == lens.name; });
-  return found == std::end(kLenses) ? std::nullopt : std::optional(found->lens);
-}
-
 bool is_one_of(const std::string& word, std::initializer_list<std::string_view> words) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
@@ -133,6 +127,12 @@ void add(const std::string& key, const NumberEntry& entry, const NumberTable& ta
 }
 
 }  // namespace
+
+std::optional<Lens> known_lens(const std::string& word) {
+  const auto* found =
+      std::find_if(std::begin(kLenses), std::end(kLenses), [&](const NamedLens& lens) { return word == lens.name; });
+  return found == std::end(kLenses) ? std::nullopt : std::optional(found->lens);
+}
 
 Lens lens_of(const std::string& word, const std::string& key, const std::string& source) {
   if (const auto lens = known_lens(word)) return *lens;

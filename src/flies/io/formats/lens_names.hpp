@@ -1,11 +1,15 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "flies/io/lens.hpp"
 #include "flies/io/number_table.hpp"
 
 namespace flies::detail {
+
+/// As `lens_of`; nothing when no model has that name.
+std::optional<Lens> known_lens(const std::string& word);
 
 /// The lens that a word names: "radtan", "plumb_bob", "equidistant", "kannalabrandt8", "ds", ...
 /// @param key where the word stands
