@@ -85,7 +85,7 @@ struct PixelFormat {
   int type;        ///< of OpenCV
   int conversion;  ///< to grey; -1: is grey
 };
-constexpr std::array<PixelFormat, 18> kFormats = {{{"mono8", CV_8UC1, -1},
+constexpr std::array<PixelFormat, 19> kFormats = {{{"mono8", CV_8UC1, -1},
                                                    {"8UC1", CV_8UC1, -1},
                                                    {"rgb8", CV_8UC3, cv::COLOR_RGB2GRAY},
                                                    {"bgr8", CV_8UC3, cv::COLOR_BGR2GRAY},
@@ -102,7 +102,8 @@ constexpr std::array<PixelFormat, 18> kFormats = {{{"mono8", CV_8UC1, -1},
                                                    {"bgra16", CV_16UC4, cv::COLOR_BGRA2GRAY},
                                                    {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2},
                                                    {"yuyv", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2},
-                                                   {"yuv422", CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}}};
+                                                   {"yuv422", CV_8UC2, cv::COLOR_YUV2GRAY_UYVY},
+                                                   {"uyvy", CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}}};
 
 cv::Mat plain_picture(RosFields& fields, const std::string& name) {
   const auto height = fields.number<std::uint32_t>(), width = fields.number<std::uint32_t>();
@@ -178,11 +179,12 @@ RosCameraInfo ros_camera_info(const RecordedMessage& message, const std::string&
   fields.header();
   RosCameraInfo info;
   info.topic = message.topic;
-  const auto pixels = [&](const char* field) {
-    const auto count = fields.number<std::uint32_t>();
-    if (count > kMaxSide_px) throw InputError(name, field, fmt::format("found {} px, which no camera has", count));
-    return static_cast<int>(count);
+  const auto count = [&](const char* field, const char* unit) {
+    const auto found = fields.number<std::uint32_t>();
+    if (found > kMaxSide_px) throw InputError(name, field, fmt::format("found {}{}, which no camera has", found, unit));
+    return static_cast<int>(found);
   };
+  const auto pixels = [&](const char* field) { return count(field, " px"); };
   info.height_px = pixels("height");
   info.width_px = pixels("width");
   info.distortion_model = fields.text();
@@ -190,8 +192,8 @@ RosCameraInfo ros_camera_info(const RecordedMessage& message, const std::string&
   fields.fill(info.intrinsics);
   fields.fill(info.rectification);
   fields.fill(info.projection);
-  info.binning_x = pixels("binning_x");
-  info.binning_y = pixels("binning_y");
+  info.binning_x = count("binning_x", "");
+  info.binning_y = count("binning_y", "");
   info.window.x_px = pixels("roi.x_offset");
   info.window.y_px = pixels("roi.y_offset");
   info.window.height_px = pixels("roi.height");

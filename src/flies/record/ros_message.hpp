@@ -26,7 +26,8 @@ RosType ros_type(const RecordedMessage& message);
 std::uint64_t ros_stamp_ns(const RecordedMessage& message, const std::string& name);
 
 /// The picture of an image message: grey levels of 8 or 16 bits, for `pair_of_levels`. Image: mono, rgb, bgr, rgba and
-/// bgra of 8 or 16 bits, 8UC1, 8UC3, 8UC4, 16UC1, 16UC3, yuv422 and yuv422_yuy2. CompressedImage: JPEG or PNG.
+/// bgra of 8 or 16 bits, 8UC1, 8UC3, 8UC4, 16UC1, 16UC3, yuv422 (uyvy) and yuv422_yuy2 (yuyv). CompressedImage: JPEG or
+/// PNG.
 /// @throws InputError naming the message: another encoding, too few bytes, a damaged picture
 cv::Mat ros_picture(const RecordedMessage& message, const std::string& name);
 

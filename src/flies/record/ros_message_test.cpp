@@ -69,6 +69,11 @@ TEST_P(RosMessage, PicturesBecomeGrey) {
     const auto pair = message_of(is_cdr, "Image", testing::ros_image(is_cdr, 1, 2, 1, encoding, 4, yuv));
     EXPECT_THAT(levels_of(ros_picture(pair, "m")), ElementsAre(10, 20)) << encoding;
   }
+  const std::string uyvy("\x80\x0A\x80\x14", 4);
+  for (const char* encoding : {"yuv422", "uyvy"}) {
+    const auto pair = message_of(is_cdr, "Image", testing::ros_image(is_cdr, 1, 2, 1, encoding, 4, uyvy));
+    EXPECT_THAT(levels_of(ros_picture(pair, "m")), ElementsAre(10, 20)) << encoding;
+  }
 }
 
 TEST_P(RosMessage, PicturesOf16BitsKeepThem) {
@@ -129,6 +134,18 @@ TEST_P(RosMessage, CameraInfoIsReadToItsEnd) {
   EXPECT_EQ(info.window.width_px, 7);
   for (std::size_t size = 0; size + 1 < bytes.size(); size += 3)
     EXPECT_THROW(ros_camera_info(message_of(is_cdr, "CameraInfo", bytes.substr(0, size)), "m"), InputError) << size;
+}
+
+TEST_P(RosMessage, CountsThatNoCameraHasAreToldInTheirUnits) {
+  const bool is_cdr = GetParam();
+  const auto read = [&](int width, std::uint32_t binning) {
+    const auto bytes = testing::ros_camera_info(is_cdr, width, 480, 500, -60, {}, 320, 192, {binning, 1, 0, 0, 0, 0});
+    ros_camera_info(message_of(is_cdr, "CameraInfo", bytes), "m");
+  };
+  EXPECT_THAT([&] { read(70000, 1); },
+              ThrowsMessage<InputError>(HasSubstr("m: width: found 70000 px, which no camera has")));
+  EXPECT_THAT([&] { read(640, 70000); },
+              ThrowsMessage<InputError>(HasSubstr("m: binning_x: found 70000, which no camera has")));
 }
 
 TEST(RosMessages, BytesOfEitherOrderAreRead) {
