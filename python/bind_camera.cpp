@@ -176,7 +176,7 @@ void bind_calibration(py::module_& module) {
       "images_are_resized"_a = false, "baseline_m"_a = py::none(),
       "Reads a calibration: KITTI, OpenCV (rectified or raw), ROS camera_info, Kalibr, EuRoC, ORB-SLAM, ZED,\n"
       "RealSense, DepthAI, Basalt, MATLAB, Middlebury, plain YAML and others, recognised from the content. Paths are\n"
-      "str or os.PathLike.\n\n"
+      "str, bytes or os.PathLike.\n\n"
       "- `right_path`: the second file, where the right camera has its own and it is not found beside the first.\n"
       "- `cameras`: (left, right), of a file that may have more than two.\n"
       "- `width_px`, `height_px`: of the images, where the file does not say or was made at another scale; 0 and 0:\n"

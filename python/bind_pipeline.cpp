@@ -61,7 +61,7 @@ void bind_detector(py::module_& module) {
       "Finds obstacles and pedestrians in rectified pairs of one camera. Steers by the pair before, so give it\n"
       "the pairs of a sequence in order, and each camera its own. May be called from several threads: one waits\n"
       "for the other.");
-  cannot_be_pickled(detector, kMakeAnother);
+  cannot_be_copied_or_pickled(detector, kMakeAnother);
   detector
       .def(py::init([](const flies::StereoCamera& camera, const OptionsMapping& options, const std::string& preset,
                        const std::optional<PathArgument>& model) {
@@ -90,7 +90,7 @@ void bind_tracker(py::module_& module) {
       module, "Tracker",
       "Follows things through the pairs of one camera: its own motion, detection, tracks. May be "
       "called from\nseveral threads: one waits for the other.");
-  cannot_be_pickled(tracker, kMakeAnother);
+  cannot_be_copied_or_pickled(tracker, kMakeAnother);
   tracker
       .def(py::init([](const flies::StereoCamera& camera, const OptionsMapping& options, const std::string& preset,
                        const std::optional<PathArgument>& model) {
@@ -185,7 +185,7 @@ void bind_engine(py::module_& module) {
       "read whenever it is wanted. A pair that was overtaken before its turn is dropped and counted. All members may "
       "be\n"
       "called from any threads.");
-  cannot_be_pickled(bound, kMakeAnother);
+  cannot_be_copied_or_pickled(bound, kMakeAnother);
   bound
       .def(py::init([](const flies::StereoCamera& camera, const OptionsMapping& options, const std::string& preset,
                        const std::optional<PathArgument>& model) {

@@ -20,12 +20,17 @@ using Settings = std::vector<std::pair<std::string, std::string>>;
 /// Options nest three deep: a mapping that holds itself comes to an end, too.
 constexpr std::ptrdiff_t kDeepest = 20;
 
+bool is_array_of_one(const py::handle& value) {
+  return py::isinstance<py::array>(value) && py::reinterpret_borrow<py::array>(value).ndim() == 0;
+}
+
 /// As it would be written on a command line.
-std::string value_text(const py::handle& value, const std::string& path) {
-  if (py::isinstance<py::array>(value) && py::reinterpret_borrow<py::array>(value).ndim() == 0)
-    return value_text(value.attr("item")(), path);
+std::string value_text(const py::object& given, const std::string& path) {
+  const py::object value = is_array_of_one(given) ? py::object(given.attr("item")()) : given;
+  if (is_array_of_one(value))  // it may hold itself
+    throw flies::InputError(kSource, path, "found an array in an array, expected a number, a bool or a name");
   if (py::isinstance<py::bool_>(value) || py::isinstance(value, py::module_::import("numpy").attr("bool_")))
-    return py::bool_(py::reinterpret_borrow<py::object>(value)) ? "true" : "false";
+    return py::bool_(value) ? "true" : "false";
   if (value.is_none() || py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value))
     throw flies::InputError(kSource, path,
                             "found " + std::string(py::str(value)) + ", expected a number, a bool or a name");

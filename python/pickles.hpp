@@ -30,15 +30,25 @@ auto pickled() {
       });
 }
 
-/// Pickles say what to do instead; copies of what never changes are the thing itself.
+/// @param what cannot be done, for errors, which say what to do instead
 template <class... Class>
-void cannot_be_pickled(pybind11::class_<Class...>& bound, const std::string& instead) {
+void refuse_pickles(pybind11::class_<Class...>& bound, const std::string& what, const std::string& instead) {
   const std::string name = pybind11::str(bound.attr("__name__"));
   bound.def("__reduce_ex__",
-            [text = fmt::format("a flies.{} cannot be copied or pickled: {}", name, instead)](
+            [text = fmt::format("a flies.{} cannot be {}: {}", name, what, instead)](
                 const pybind11::object& /*self*/, int /*protocol*/) -> pybind11::object {
               throw pybind11::type_error(text);
             });
+}
+/// Of what has copies of its own; they are the thing itself where it never changes.
+template <class... Class>
+void cannot_be_pickled(pybind11::class_<Class...>& bound, const std::string& instead) {
+  refuse_pickles(bound, "pickled", instead);
+}
+/// Python copies by pickles.
+template <class... Class>
+void cannot_be_copied_or_pickled(pybind11::class_<Class...>& bound, const std::string& instead) {
+  refuse_pickles(bound, "copied or pickled", instead);
 }
 template <class... Class>
 void is_its_own_copy(pybind11::class_<Class...>& bound) {

@@ -27,7 +27,7 @@ namespace pybind11::detail {
 
 template <>
 struct type_caster<PathArgument> {
-  PYBIND11_TYPE_CASTER(PathArgument, const_name("Union[str, os.PathLike]"));
+  PYBIND11_TYPE_CASTER(PathArgument, const_name("Union[str, bytes, os.PathLike]"));
 
   bool load(handle source, bool /*convert*/) {
     PyObject* path = nullptr;

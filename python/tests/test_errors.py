@@ -58,6 +58,14 @@ def test_options_that_hold_themselves_are_refused(camera):
         flies.Detector(camera, options)
 
 
+def test_arrays_that_hold_themselves_are_refused(camera):
+    array = np.empty((), dtype=object)
+    array[()] = array
+    with pytest.raises(flies.InputError, match="^options: evolve.flies: found an array in an array, expected"):
+        flies.Detector(camera, {"evolve.flies": array})
+    flies.Detector(camera, {"evolve.flies": np.array(700)})
+
+
 def test_sizes_are_checked(street):
     calib = street / "calib.yaml"
 
