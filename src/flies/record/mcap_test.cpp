@@ -74,6 +74,19 @@ TEST(Mcap, MessagesAreFoundAgainInAnyOrder) {
   }
 }
 
+/// The reader sets less memory aside for such a chunk at first.
+TEST(Mcap, MessagesThatPackWellAreUnpacked) {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder.file("t.mcap"), data(3'000'000, 'x');
+  McapWriter writer(path, {{"/a", "test.A", "{}"}});
+  writer.write(0, 0, data);
+  writer.close();
+  ASSERT_LT(std::filesystem::file_size(path), 100'000U);
+  const auto messages = messages_of(path);
+  ASSERT_EQ(messages.size(), 1U);
+  EXPECT_TRUE(messages[0].data == data);
+}
+
 TEST(Mcap, NoMessagesAreARecordingToo) {
   const testing::TemporaryFolder folder;
   write_some(folder.file("t.mcap"), 0);
