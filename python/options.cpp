@@ -52,8 +52,6 @@ void flatten(const py::object& options, const std::string& prefix, Settings& set
   }
 }
 
-bool is_of_following(const std::string& path) { return path.starts_with("ego.") || path.starts_with("track."); }
-
 }  // namespace
 
 bool is_mapping(PyObject* object) {
@@ -69,7 +67,7 @@ PythonOptions python_options(const flies::StereoCamera& camera, const std::strin
   Settings settings;
   flatten(options, "", settings);
   for (const auto& [path, text] : settings)
-    if (may_follow && is_of_following(path))
+    if (may_follow && flies::is_tracker_option(path))
       flies::set_option(result.following, path, text, kSource);
     else
       flies::set_option(result.detector, path, text, kSource);

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <thread>
-#include <tuple>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -32,16 +30,6 @@ flies::DetectorOptions with_option(flies::DetectorOptions options, const std::st
 }
 
 }  // namespace
-
-GroundPose moved(const GroundPose& pose, const flies::EgoMotion& ego) {
-  if (!ego.is_known) return {.segment = pose.segment + 1};
-  const flies::RigidMotion motion = ego.current_from_previous.inverse();  // of the vehicle
-  const double c = std::cos(pose.yaw_rad), s = std::sin(pose.yaw_rad);
-  return {.x_m = pose.x_m + c * motion.shift.x_m - s * motion.shift.y_m,
-          .y_m = pose.y_m + s * motion.shift.x_m + c * motion.shift.y_m,
-          .yaw_rad = pose.yaw_rad + std::atan2(motion.rotation[1][0], motion.rotation[0][0]),
-          .segment = pose.segment};
-}
 
 LiveRun::LiveRun(LiveRequest request, std::vector<LiveSink*> sinks)
     : request_(std::move(request)),
@@ -156,28 +144,40 @@ bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
   return true;
 }
 
-/// Takes up what pairs show that come after the first ones: camera and options are fitted to it from the next pair on.
+/// Learns from pairs that come after the first ones what those did not show.
 /// @param images rectified, rows as they came
 void LiveRun::diagnose_later(const flies::GrayPair& images, double time_s) {
-  const auto before = std::pair(diagnosis_, calibration_->camera.mount);
+  later_->offer(images, time_s);
   try {
-    later_->offer(images, time_s);
-    auto found = later_->take(request_.stream.is_patient);
-    if (!found) return;
-    const bool is_over = is_settled(found->diagnosis, request_.corrections);
-    if (!is_over && (diagnosis_.diagnosis.can_be_trusted() || !found->diagnosis.diagnosis.can_be_trusted())) return;
-    diagnosis_ = std::move(found->diagnosis);
-    calibration_->camera.mount = found->mount;
-    const auto refusals = fit_options();
-    for (const auto& note : diagnosis_.notes)
-      if (std::ranges::find(before.first.notes, note) == before.first.notes.end()) say(note);
-    for (const auto& note : refusals) say(note);
-    if (is_over) later_.reset();
+    if (auto found = later_->take(request_.stream.is_patient)) take_up(*std::move(found));
   } catch (const flies::InputError& error) {  // options that do not go with the mount that was found
-    std::tie(diagnosis_, calibration_->camera.mount) = before;
     later_.reset();
     say(fmt::format("the camera is taken as mounted as before: {}", error.what()));
   }
+}
+
+/// Fits camera and options to what was found, if it is more than was known, from the next pair on.
+/// @throws flies::InputError when the options do not go with it; nothing has changed then
+void LiveRun::take_up(LaterDiagnosis::Finding found) {
+  const bool is_over = is_settled(found.diagnosis, request_.corrections);
+  if (!is_over && (diagnosis_.diagnosis.can_be_trusted() || !found.diagnosis.diagnosis.can_be_trusted())) return;
+  const auto exchange = [&] {
+    std::swap(diagnosis_, found.diagnosis);
+    std::swap(calibration_->camera.mount, found.mount);
+  };
+  exchange();
+  std::vector<std::string> refusals;
+  try {
+    refusals = fit_options();
+  } catch (const flies::InputError&) {
+    exchange();
+    throw;
+  }
+  const auto& told = found.diagnosis.notes;
+  for (const auto& note : diagnosis_.notes)
+    if (std::ranges::find(told, note) == told.end()) say(note);
+  for (const auto& note : refusals) say(note);
+  if (is_over) later_.reset();
 }
 
 /// To the camera, and what was set meanwhile on top; a worker is made so for the next pair.
@@ -270,78 +270,6 @@ void LiveRun::submit(std::shared_ptr<LivePair> pair, bool is_awaited) {
   while (handed_on_ <= before && !failure_ && !is_end_requested()) changed_.wait_for(lock, 100ms);
 }
 
-std::shared_ptr<const LivePair> LiveRun::pair_at(double time_s) {
-  const std::lock_guard lock(mutex_);
-  const auto found = std::ranges::find(recent_, time_s, [](const auto& pair) { return pair->time_s; });
-  return found == recent_.end() ? nullptr : *found;
-}
-
-std::shared_ptr<const LiveRun::Worker> LiveRun::worker_unless_ending() {
-  const std::lock_guard lock(mutex_);
-  return is_ending_ ? nullptr : worker_;
-}
-
-void LiveRun::go_on_with(std::shared_ptr<const Worker> worker) {
-  dropped_before_ = worker->first_number - results_;
-  ids_before_ = highest_id_;
-  last_result_ = 0;
-  handing_worker_ = std::move(worker);
-}
-
-/// A result as if there had been one engine all along: no number is given to two tracks.
-std::shared_ptr<const flies::Snapshot> LiveRun::continued(
-    const std::shared_ptr<const flies::Snapshot>& snapshot) const {
-  if (ids_before_ == 0) return snapshot;
-  auto result = std::make_shared<flies::Snapshot>(*snapshot);
-  for (auto& track : result->tracking.tracks) track.id += ids_before_;
-  return result;
-}
-
-void LiveRun::hand_on_results() {
-  const auto result = handing_worker_->engine->wait_for_next(last_result_, 50ms);
-  if (result->number == last_result_) return;
-  overtaken_ += result->number - last_result_ - 1;
-  const auto snapshot = continued(result);
-  results_ += snapshot->number - last_result_;
-  last_result_ = snapshot->number;
-  if (!snapshot->error.empty() && !std::exchange(error_told_, true)) say(snapshot->error);
-  const auto pair = pair_at(snapshot->tracking.time_s);
-  if (pair && snapshot->error.empty()) {
-    pose_ = moved(pose_, snapshot->tracking.ego);
-    for (const auto& track : snapshot->tracking.tracks) highest_id_ = std::max(highest_id_, track.id);
-    const LiveFrame frame{.pair = pair,
-                          .snapshot = snapshot,
-                          .camera = handing_worker_->camera,
-                          .pose = pose_,
-                          .dropped = dropped_before_ + overtaken_ + snapshot->dropped,
-                          .options = handing_worker_->options,
-                          .following = handing_worker_->following,
-                          .preset = handing_worker_->preset,
-                          .run = handing_worker_->record,
-                          .diagnosis = handing_worker_->diagnosis,
-                          .began_ns = began_ns_};
-    for (LiveSink* sink : sinks_) sink->take(frame);
-  }
-  const std::lock_guard lock(mutex_);
-  while (pair && recent_.size() > 1 && recent_.front()->number < pair->number) recent_.erase(recent_.begin());
-  if (handing_worker_ == worker_) handed_on_ = last_result_;
-  changed_.notify_all();
-}
-
-/// The thread that hands results to the sinks.
-void LiveRun::hand_on() {
-  try {
-    while (auto worker = worker_unless_ending()) {
-      if (worker != handing_worker_) go_on_with(std::move(worker));
-      hand_on_results();
-    }
-  } catch (...) {
-    const std::lock_guard lock(mutex_);
-    failure_ = std::current_exception();
-    changed_.notify_all();
-  }
-}
-
 void LiveRun::rethrow_failure() {
   const std::lock_guard lock(mutex_);
   if (failure_) std::rethrow_exception(failure_);
@@ -408,7 +336,7 @@ bool LiveRun::is_paused() const {
 
 void LiveRun::set_option(const std::string& path, const std::string& text) {
   const std::lock_guard lock(mutex_);
-  if (is_of_following(path)) {
+  if (flies::is_tracker_option(path)) {
     flies::set_option(following_, path, text, "options");
   } else {
     options_ = with_option(options_, path, text);

@@ -78,6 +78,7 @@ class LiveRun {
                                            const flies::TrackerOptions& following, std::uint64_t first_number) const;
   std::vector<std::string> fit_options();
   void diagnose_later(const flies::GrayPair& images, double time_s);
+  void take_up(LaterDiagnosis::Finding found);
   bool begin(std::vector<flies::StereoFrame>& first);
   void calibrate(const flies::StereoFrame& frame);
   std::shared_ptr<LivePair> prepare(flies::StereoFrame frame);

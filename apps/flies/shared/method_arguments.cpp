@@ -87,7 +87,7 @@ flies::DetectorOptions with_settings(flies::DetectorOptions options, const Metho
   flies::TrackerOptions following;  // those of following are checked, whether or not this run follows
   for (const auto& setting : settings_of_file(arguments)) {
     if (setting.path == kPeopleModel) continue;
-    if (is_of_following(setting.path))
+    if (flies::is_tracker_option(setting.path))
       flies::set_option(following, setting.path, setting.text, setting.source);
     else
       flies::set_option(options, setting.path, setting.text, setting.source);
@@ -109,12 +109,10 @@ double nearest_range_m(const flies::DetectorOptions& options) {
   return options.scan.enable ? std::min(options.field.x_min_m, options.scan.x_min_m) : options.field.x_min_m;
 }
 
-bool is_of_following(std::string_view path) { return path.starts_with("ego.") || path.starts_with("track."); }
-
 flies::TrackerOptions following_options(const MethodArguments& arguments, const Overrides& overrides) {
   flies::TrackerOptions options;
   for (const auto& setting : settings_of_file(arguments))
-    if (is_of_following(setting.path)) flies::set_option(options, setting.path, setting.text, setting.source);
+    if (flies::is_tracker_option(setting.path)) flies::set_option(options, setting.path, setting.text, setting.source);
   for (const auto& [path, text] : overrides) flies::set_option(options, path, text, "command line");
   return options;
 }

@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -47,9 +46,6 @@ double nearest_range_m(const flies::DetectorOptions& options);
 
 /// Corrections as told, which look for the road by the options of the run.
 RunCorrections corrections_for(RunCorrections corrections, const MethodArguments& arguments);
-
-/// Whether an option is of following (`flies::TrackerOptions`), not of finding in a pair.
-bool is_of_following(std::string_view path);
 
 /// Options of following: the YAML file, then the command line.
 /// @param overrides what the command line says of them

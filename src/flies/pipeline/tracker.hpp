@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "flies/core/options.hpp"
@@ -22,6 +23,9 @@ struct TrackerOptions {
     f("track", self.track);
   }
 };
+
+/// Whether the option of this dotted name is one of following (`TrackerOptions`), not of finding in a pair.
+inline bool is_tracker_option(std::string_view path) { return path.starts_with("ego.") || path.starts_with("track."); }
 
 /// What is known after one pair of a sequence.
 struct Tracking {

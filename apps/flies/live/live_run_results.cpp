@@ -1,0 +1,92 @@
+// The thread of a `LiveRun` that hands results to the sinks.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "live/live_run.hpp"
+
+using namespace std::chrono_literals;
+
+GroundPose moved(const GroundPose& pose, const flies::EgoMotion& ego) {
+  if (!ego.is_known) return {.segment = pose.segment + 1};
+  const flies::RigidMotion motion = ego.current_from_previous.inverse();  // of the vehicle
+  const double c = std::cos(pose.yaw_rad), s = std::sin(pose.yaw_rad);
+  return {.x_m = pose.x_m + c * motion.shift.x_m - s * motion.shift.y_m,
+          .y_m = pose.y_m + s * motion.shift.x_m + c * motion.shift.y_m,
+          .yaw_rad = pose.yaw_rad + std::atan2(motion.rotation[1][0], motion.rotation[0][0]),
+          .segment = pose.segment};
+}
+
+std::shared_ptr<const LivePair> LiveRun::pair_at(double time_s) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find(recent_, time_s, [](const auto& pair) { return pair->time_s; });
+  return found == recent_.end() ? nullptr : *found;
+}
+
+std::shared_ptr<const LiveRun::Worker> LiveRun::worker_unless_ending() {
+  const std::lock_guard lock(mutex_);
+  return is_ending_ ? nullptr : worker_;
+}
+
+void LiveRun::go_on_with(std::shared_ptr<const Worker> worker) {
+  dropped_before_ = worker->first_number - results_;
+  ids_before_ = highest_id_;
+  last_result_ = 0;
+  handing_worker_ = std::move(worker);
+}
+
+/// A result as if there had been one engine all along: no number is given to two tracks.
+std::shared_ptr<const flies::Snapshot> LiveRun::continued(
+    const std::shared_ptr<const flies::Snapshot>& snapshot) const {
+  if (ids_before_ == 0) return snapshot;
+  auto result = std::make_shared<flies::Snapshot>(*snapshot);
+  for (auto& track : result->tracking.tracks) track.id += ids_before_;
+  return result;
+}
+
+void LiveRun::hand_on_results() {
+  const auto result = handing_worker_->engine->wait_for_next(last_result_, 50ms);
+  if (result->number == last_result_) return;
+  overtaken_ += result->number - last_result_ - 1;
+  const auto snapshot = continued(result);
+  results_ += snapshot->number - last_result_;
+  last_result_ = snapshot->number;
+  if (!snapshot->error.empty() && !std::exchange(error_told_, true)) say(snapshot->error);
+  const auto pair = pair_at(snapshot->tracking.time_s);
+  if (pair && snapshot->error.empty()) {
+    pose_ = moved(pose_, snapshot->tracking.ego);
+    for (const auto& track : snapshot->tracking.tracks) highest_id_ = std::max(highest_id_, track.id);
+    const LiveFrame frame{.pair = pair,
+                          .snapshot = snapshot,
+                          .camera = handing_worker_->camera,
+                          .pose = pose_,
+                          .dropped = dropped_before_ + overtaken_ + snapshot->dropped,
+                          .options = handing_worker_->options,
+                          .following = handing_worker_->following,
+                          .preset = handing_worker_->preset,
+                          .run = handing_worker_->record,
+                          .diagnosis = handing_worker_->diagnosis,
+                          .began_ns = began_ns_};
+    for (LiveSink* sink : sinks_) sink->take(frame);
+  }
+  const std::lock_guard lock(mutex_);
+  while (pair && recent_.size() > 1 && recent_.front()->number < pair->number) recent_.erase(recent_.begin());
+  if (handing_worker_ == worker_) handed_on_ = last_result_;
+  changed_.notify_all();
+}
+
+/// The thread that hands results to the sinks.
+void LiveRun::hand_on() {
+  try {
+    while (auto worker = worker_unless_ending()) {
+      if (worker != handing_worker_) go_on_with(std::move(worker));
+      hand_on_results();
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+    changed_.notify_all();
+  }
+}
