@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <opencv2/calib3d.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
@@ -111,6 +112,36 @@ TEST_F(Calibrate, SaysWhyPairsWereLeftOutWhereTooFewAreLeft) {
           "before, most as left/02.jpg: right/02.jpg: pixels: not a pair");
   for (const std::string number : {"11.jpg", "12.jpg", "13.jpg", "14.jpg"}) spoil(number);
   refused(words, "none of 13 pairs shows a board, for most cannot be used: right/02.jpg: pixels: not a pair");
+}
+
+/// Hides what lies to the left of the corners of the board's second column, as of a board that is held too far out.
+void hide_a_column(const fs::path& file) {
+  cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  std::vector<cv::Point2f> corners;
+  ASSERT_TRUE(cv::findChessboardCornersSB(image, {9, 6}, corners)) << file;
+  const bool is_turned = corners[8].x < corners[0].x;
+  float right_px = 0.0F;
+  for (std::size_t row = 0; row < 6; ++row) right_px = std::max(right_px, corners[9 * row + (is_turned ? 8 : 0)].x);
+  image.colRange(0, static_cast<int>(right_px) + 4).setTo(128);
+  fs::remove(file);  // the link, not what it leads to
+  cv::imwrite(file.string(), image);
+}
+
+TEST_F(Calibrate, BoardsSeenInPartCostTheirPairsAlone) {
+  if (!fs::exists(kOpenCvPairs / "left01.jpg"))
+    GTEST_SKIP() << "Debian's opencv-doc is not here (scripts/install-deps --checks)";
+  write_opencv_pairs();
+  hide_a_column(folder.path() / "left" / "03.jpg");
+  for (const char* name : {"01.jpg", "02.jpg"})
+    for (const char* side : {"left", "right"}) {
+      fs::remove(folder.path() / side / name);
+      fs::copy_file(folder.path() / side / "03.jpg", folder.path() / side / name);
+    }
+  const RunResult result =
+      calibrate({"left", "right", "--board", "9x6", "--square", "0.025", "--output", "rig.yml", "--json", "rig.json"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(read_text(folder.path() / "rig.json"), HasSubstr("part of it is hidden or outside"));
+  EXPECT_TRUE(fs::exists(folder.path() / "rig.yml"));
 }
 
 TEST_F(Calibrate, ChecksARigWithoutABoard) {
