@@ -16,6 +16,8 @@
 #include "flies/classify/model_file.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
+#include "flies/eval/dataset.hpp"
+#include "flies/io/folder.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/train/training_report.hpp"
 #include "flies/version.hpp"
@@ -158,13 +160,29 @@ std::string command_line(const TrainArguments& arguments) {
   return text;
 }
 
+/// Before the work. Folders that are not there are told of when they are read.
+void check_outputs(const TrainArguments& arguments) {
+  OutputClaims claims;
+  claims.writes(arguments.out, "--out");
+  claims.writes(arguments.report, "--report");
+  const auto there = [](std::vector<std::string> folders) {
+    std::erase_if(folders, [](const std::string& folder) { return !flies::detail::is_there_as_folder(folder); });
+    return folders;
+  };
+  claims.reads(flies::files_to_train_on(there(arguments.positives)));
+  claims.reads(flies::files_to_train_on(there(arguments.negatives)));
+  for (const auto& folder : there(arguments.stereo_negatives)) {
+    const flies::Dataset dataset = flies::open_dataset(folder);
+    claims.reads(dataset.pairs);
+    claims.reads(dataset.files);
+  }
+}
+
 void run_train(const TrainArguments& arguments) {
   const flies::TrainOptions options = options_of(arguments);
   const Texts about = parse_about(arguments.about);
   const std::string name = model_name(arguments);
-  OutputClaims claims;
-  claims.writes(arguments.out, "--out");
-  claims.writes(arguments.report, "--report");
+  check_outputs(arguments);
   // Opened first, so that a place that cannot be written shows before the work.
   flies::OutputFile out(arguments.out);
   std::optional<flies::OutputFile> report;

@@ -18,6 +18,7 @@
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
 #include "shared/cpu_name.hpp"
+#include "shared/output_claims.hpp"
 #include "shared/standard_output.hpp"
 
 namespace {
@@ -144,8 +145,17 @@ std::string table(const BenchResult& result, const BenchInput& input, int runs) 
   return text;
 }
 
+void check_output(const BenchArguments& arguments) {
+  OutputClaims claims;
+  claims.reads(arguments.left);
+  claims.reads(arguments.right);
+  claims.reads_calibration(arguments.calib, arguments.camera.right_calib);
+  claims.writes(arguments.json, "--json");
+}
+
 void run_bench_command(BenchArguments arguments) {
   arguments.plan.has_others = arguments.plan.has_growth = !arguments.only_flies;
+  check_output(arguments);
   const BenchInput input = bench_input(arguments);
   std::optional<flies::OutputFile> json;
   if (!arguments.json.empty()) json.emplace(arguments.json);

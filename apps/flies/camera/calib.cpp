@@ -21,6 +21,7 @@
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
 #include "shared/notes.hpp"
+#include "shared/output_claims.hpp"
 #include "shared/standard_output.hpp"
 
 namespace {
@@ -189,11 +190,19 @@ std::vector<std::string> losses(const flies::Calibration& calibration, flies::Ca
   return notes;
 }
 
+void check_outputs(const CalibArguments& arguments, bool is_ros) {
+  OutputClaims claims;
+  claims.reads_calibration(arguments.file, arguments.camera.right_calib);
+  claims.writes(arguments.output, "--output");
+  if (is_ros) claims.writes(right_path_of(arguments.output), "--output");
+}
+
 void convert(const flies::Calibration& calibration, const CalibArguments& arguments) {
   const auto syntax = syntax_of(arguments.format);
   const bool is_ros = syntax == flies::CalibrationSyntax::ros;
   if (is_ros && arguments.output.empty())
     throw flies::InputError("--write", "ros", "makes two files; say where: --output left.yaml");
+  check_outputs(arguments, is_ros);
   const auto texts = flies::calibration_texts(calibration, syntax, arguments.file);
   if (is_ros) {
     flies::OutputFile left(arguments.output), right(right_path_of(arguments.output));

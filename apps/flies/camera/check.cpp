@@ -24,6 +24,7 @@
 #include "shared/commands.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
+#include "shared/output_claims.hpp"
 #include "shared/run_diagnosis.hpp"
 #include "shared/standard_output.hpp"
 
@@ -66,9 +67,17 @@ std::vector<std::string> notes_on_each(const CalibratedRun& run) {
   return notes;
 }
 
+void check_picture(const CheckArguments& arguments, const std::vector<flies::PairPaths>& pairs) {
+  OutputClaims claims;
+  claims.reads(pairs);
+  claims.reads_calibration(arguments.calib, arguments.camera.right_calib);
+  claims.writes(arguments.picture, "--picture");
+}
+
 Checked check(const CheckArguments& arguments) {
   const flies::PairReading reading = reading_of(arguments.images.reading);
   const auto matched = matched_pairs_of(arguments.images);
+  check_picture(arguments, matched.pairs);
   const LoadPair load = [paths = matched.pairs, reading](std::size_t i) { return flies::load_pair(paths[i], reading); };
   const Calibrate calibrate = [&](const flies::PairPaths& pair, const flies::RectifiedPair& images) {
     return calibration_of_files(arguments.calib, arguments.camera, pair, images);

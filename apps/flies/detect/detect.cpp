@@ -40,11 +40,11 @@ struct DetectArguments {
   DetectOutputs outputs;
 };
 
-std::vector<std::string> other_inputs(const DetectArguments& arguments) {
-  std::vector<std::string> inputs = {arguments.calib};
-  for (const auto& path : {arguments.camera.right_calib, arguments.method.options_file, arguments.method.model})
-    if (!path.empty()) inputs.push_back(path);
-  return inputs;
+OutputClaims other_inputs(const DetectArguments& arguments) {
+  OutputClaims claims;
+  claims.reads_calibration(arguments.calib, arguments.camera.right_calib);
+  claims.reads_method(arguments.method);
+  return claims;
 }
 
 /// The files of one pair, each whole or not at all.

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
-#include "shared/output_claims.hpp"
 
 namespace fs = std::filesystem;
 
@@ -26,10 +25,7 @@ std::string path_of_frame(const std::string& path, const std::string& frame, boo
   return (whole.parent_path() / (whole.stem().string() + "_" + frame + whole.extension().string())).string();
 }
 
-void check_outputs(const DetectOutputs& outputs, const std::vector<flies::PairPaths>& pairs,
-                   const std::vector<std::string>& inputs) {
-  OutputClaims claims;
-  for (const auto& input : inputs) claims.reads(input);
+void check_outputs(const DetectOutputs& outputs, const std::vector<flies::PairPaths>& pairs, OutputClaims claims) {
   claims.reads(pairs);
   claims.writes(outputs.json, "--json");
   claims.writes(outputs.csv, "--csv");

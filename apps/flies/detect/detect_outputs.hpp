@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "flies/io/pair_source.hpp"
+#include "shared/output_claims.hpp"
 
 /// Where `flies detect` writes, as given on the command line; empty: not asked for. "-" is standard output.
 struct DetectOutputs {
@@ -22,7 +23,6 @@ std::string path_of_frame(const std::string& path, const std::string& frame, boo
 
 /// Refuses, before any work is done, outputs that cannot be written, two that are the same file and those that would
 /// overwrite an input.
-/// @param inputs files that are read beside the pairs: calibration, options, model
+/// @param claims that know the files which are read beside the pairs: calibration, options, model
 /// @throws flies::InputError naming the file and the option
-void check_outputs(const DetectOutputs& outputs, const std::vector<flies::PairPaths>& pairs,
-                   const std::vector<std::string>& inputs);
+void check_outputs(const DetectOutputs& outputs, const std::vector<flies::PairPaths>& pairs, OutputClaims claims);

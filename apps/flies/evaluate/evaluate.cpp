@@ -81,6 +81,8 @@ flies::EvaluationOptions measuring_of(const EvaluateArguments& arguments) {
           with_overrides<flies::SectorOptions>(arguments.sectors)};
 }
 
+constexpr std::string_view kNetwork = "network:";  // before the file of a yardstick
+
 /// What is held against the method: a dense matcher, a search of the whole image for people, or another preset.
 flies::Method yardstick(const std::string& name, const flies::DetectorOptions& options,
                         const EvaluateArguments& arguments, bool is_sequence) {
@@ -94,7 +96,7 @@ flies::Method yardstick(const std::string& name, const flies::DetectorOptions& o
     const auto detector = static_cast<flies::HogDetector>(search - kSearches.begin());
     return flies::hog_method(detector, with_overrides<flies::HogOptions>(arguments.hog));
   }
-  if (constexpr std::string_view kNetwork = "network:"; name.starts_with(kNetwork))
+  if (name.starts_with(kNetwork))
     return flies::network_method(name.substr(kNetwork.size()),
                                  with_overrides<flies::NetworkSearchOptions>(arguments.network));
   const auto preset = std::find(kPresets.begin(), kPresets.end(), name);
@@ -182,19 +184,22 @@ void look_at_images(const EvaluateArguments& arguments, const std::vector<std::s
   };
 }
 
-void check_outputs(const EvaluateArguments& arguments) {
+OutputClaims check_outputs(const EvaluateArguments& arguments) {
   OutputClaims claims;
-  for (const auto& path : arguments.detections) claims.reads(path);
-  for (const auto& path :
-       {arguments.calib, arguments.unlabelled, arguments.method.options_file, arguments.method.model})
-    claims.reads(path);
+  claims.reads(arguments.detections);
+  claims.reads(arguments.unlabelled);
+  claims.reads_calibration(arguments.calib, "");
+  claims.reads_method(arguments.method);
+  for (const auto& name : arguments.yardsticks)
+    if (name.starts_with(kNetwork)) claims.reads_model(name.substr(kNetwork.size()));
   claims.writes(arguments.json, "--json");
   claims.writes(arguments.plot, "--plot");
   claims.writes(arguments.scan_plot, "--scan-plot");
+  return claims;
 }
 
 void run_evaluate(const EvaluateArguments& arguments) {
-  check_outputs(arguments);
+  OutputClaims claims = check_outputs(arguments);
   EvaluationContext context;
   context.folder = arguments.folder;
   context.preset = arguments.method.preset;
@@ -205,6 +210,8 @@ void run_evaluate(const EvaluateArguments& arguments) {
   context.hog = with_overrides<flies::HogOptions>(arguments.hog);
 
   flies::Dataset dataset = flies::open_dataset(arguments.folder, dataset_request(arguments));
+  claims.reads(dataset.pairs);
+  claims.reads(dataset.files);
   if (!arguments.unlabelled.empty())
     dataset =
         flies::with_unlabelled(std::move(dataset), flies::read_unlabelled(arguments.unlabelled), arguments.unlabelled);

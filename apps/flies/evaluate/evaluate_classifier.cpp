@@ -62,16 +62,17 @@ std::optional<flies::OutputFile> output(const std::string& path) {
   return file;
 }
 
-void check_outputs(const ClassifierArguments& arguments) {
+OutputClaims check_outputs(const ClassifierArguments& arguments) {
   OutputClaims claims;
-  for (const auto& model : arguments.models) claims.reads(model);
+  for (const auto& model : arguments.models) claims.reads_model(model);
   claims.writes(arguments.json, "--json");
   claims.writes(arguments.html, "--html");
   claims.writes(arguments.plot, "--plot");
+  return claims;
 }
 
 void run_evaluate_classifier(const ClassifierArguments& arguments) {
-  check_outputs(arguments);
+  OutputClaims claims = check_outputs(arguments);
   ClassifierContext context{arguments.data, command_line(arguments),
                             with_overrides<flies::WindowSampling>(arguments.sampling),
                             with_overrides<flies::EstimateOptions>(arguments.estimate)};
@@ -82,6 +83,8 @@ void run_evaluate_classifier(const ClassifierArguments& arguments) {
     results.push_back({name, {}, {}, {}, 0.0});
   }
   const flies::WindowData data = flies::open_window_data(arguments.data);
+  for (const auto& set : data.positives) claims.reads(set.files);
+  claims.reads(data.negatives);
   // Opened first, so that a place that cannot be written shows before the work.
   auto json = output(arguments.json), html = output(arguments.html);
 

@@ -6,13 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
+#include "flies/eval/dataset.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/reproduce/report.hpp"
 #include "flies/version.hpp"
 #include "shared/commands.hpp"
 #include "shared/cpu_name.hpp"
+#include "shared/output_claims.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/standard_output.hpp"
 
@@ -69,10 +70,20 @@ std::vector<flies::ReportSet> measure(const std::vector<flies::FrameSet>& sets, 
   return measured;
 }
 
+void check_outputs(const ReproduceArguments& arguments) {
+  OutputClaims claims;
+  claims.writes(arguments.out, "--out");
+  claims.writes(arguments.json, "--json");
+  for (const auto& folder : {arguments.kitti, arguments.kitti_object}) {
+    if (folder.empty()) continue;
+    const flies::Dataset dataset = flies::open_dataset(folder);
+    claims.reads(dataset.pairs);
+    claims.reads(dataset.files);
+  }
+}
+
 void run_reproduce(const ReproduceArguments& arguments) {
-  if (arguments.json == arguments.out)
-    throw flies::InputError("command line", "--json",
-                            fmt::format("found '{}', which --out names as well", arguments.json));
+  check_outputs(arguments);
   flies::PersonOptions options;
   flies::set_option(options.method, "seed", arguments.seed, "command line");
   options.first_seed = options.method.seed;

@@ -68,7 +68,7 @@ int port_number(const std::string& text, const std::string& option) {
 }
 
 /// Folders become lists of pairs with their times.
-void open_folders(LiveArguments& arguments) {
+void open_folders(LiveArguments& arguments, OutputClaims& claims) {
   if (!flies::detail::is_there_as_folder(arguments.sources.front())) {
     if (!arguments.times.empty())
       throw flies::InputError("command line", "--times",
@@ -84,6 +84,8 @@ void open_folders(LiveArguments& arguments) {
   if (!arguments.camera.cameras.empty())
     request.cameras = std::array{arguments.camera.cameras[0], arguments.camera.cameras[1]};
   SequenceSource sequence = open_sequence(request);
+  claims.reads(sequence.pairs);
+  claims.reads(sequence.files);
   say_notes(sequence.notes);
   arguments.calib = sequence.calib;
   const auto& times_s = arguments.stream.times_s = std::move(sequence.times_s);
@@ -92,9 +94,10 @@ void open_folders(LiveArguments& arguments) {
   arguments.stream.folder = std::move(sequence.pairs);
 }
 
-LiveRequest live_request(LiveArguments& arguments) {
+/// @param claims get to know the files of folders
+LiveRequest live_request(LiveArguments& arguments, OutputClaims& claims) {
   LiveRequest request;
-  open_folders(arguments);
+  open_folders(arguments, claims);
   if (arguments.calib.empty()) throw flies::InputError("command line", "--calib", "is missing, expected a file");
   // Before a camera is opened, which takes a while.
   if (!flies::detail::is_there(arguments.calib)) throw flies::InputError(arguments.calib, "", "does not exist");
@@ -107,8 +110,7 @@ LiveRequest live_request(LiveArguments& arguments) {
   request.stream.max_skew_s = 1e-3 * arguments.max_skew_ms;
   request.calib = arguments.calib;
   request.camera = arguments.camera;
-  read_options_file(request.method);
-  request.corrections = corrections_for(arguments.corrections, request.method);
+  request.corrections = corrections_for(arguments.corrections, arguments.method);
   request.method = arguments.method;
   request.following = following_options(arguments.method, arguments.following);
   request.classifier = classifier_of(arguments.method);
@@ -116,15 +118,16 @@ LiveRequest live_request(LiveArguments& arguments) {
   return request;
 }
 
-void check_outputs(const LiveArguments& arguments) {
+OutputClaims check_outputs(const LiveArguments& arguments) {
   OutputClaims claims;
-  for (const auto& source : arguments.sources) claims.reads(source);
-  for (const auto& path : {arguments.calib, arguments.times, arguments.camera.right_calib,
-                           arguments.method.options_file, arguments.method.model})
-    claims.reads(path);
+  claims.reads(arguments.sources);
+  claims.reads(arguments.times);
+  claims.reads_method(arguments.method);
+  claims.reads_calibration(arguments.calib, arguments.camera.right_calib);
   claims.writes_in_place(arguments.json, "--json");
   claims.writes_in_place(arguments.record, "--record");
   claims.writes(arguments.video, "--video");
+  return claims;
 }
 
 /// The page steers the run as long as there is one.
@@ -220,8 +223,9 @@ class Outputs {
 };
 
 void run_live(LiveArguments arguments) {
-  check_outputs(arguments);
-  LiveRequest request = live_request(arguments);
+  read_options_file(arguments.method);
+  OutputClaims claims = check_outputs(arguments);
+  LiveRequest request = live_request(arguments, claims);
   std::optional<tbb::global_control> thread_limit;
   if (const int threads = effective_options(request.method).threads; threads > 0) {
     thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));

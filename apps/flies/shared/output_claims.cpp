@@ -4,7 +4,9 @@
 
 #include <filesystem>
 
+#include "flies/classify/network_classifier.hpp"
 #include "flies/core/error.hpp"
+#include "flies/io/formats/second_file.hpp"
 #include "flies/io/output_file.hpp"
 
 namespace fs = std::filesystem;
@@ -29,10 +31,24 @@ bool is_writable_file(const std::string& path) {
   return fs::is_regular_file(path, ignored) && ::access(path.c_str(), W_OK) == 0;
 }
 
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+constexpr const char* kIsInput = "this file is already an input";
+
 }  // namespace
 
 void OutputClaims::reads(const std::string& path) {
-  if (!path.empty()) purpose_of_file_.emplace(identity(path), "an input");
+  if (path.empty()) return;
+  const auto [known, is_new] = writer_of_file_.emplace(identity(path), Writer{});
+  const Writer& writer = known->second;
+  if (!is_new && !writer.option.empty()) throw flies::InputError(writer.path, writer.option, kIsInput);
+}
+
+void OutputClaims::reads(const std::vector<std::string>& paths) {
+  for (const auto& path : paths) reads(path);
 }
 
 void OutputClaims::reads(const std::vector<flies::PairPaths>& pairs) {
@@ -42,12 +58,35 @@ void OutputClaims::reads(const std::vector<flies::PairPaths>& pairs) {
   }
 }
 
+void OutputClaims::reads_calibration(const std::string& file, const std::string& right) {
+  reads(file);
+  reads(right);
+  if (file.empty() || !right.empty()) return;
+  const auto beside = flies::detail::right_file_beside(file);
+  if (beside && is_file(*beside)) reads(beside->string());
+}
+
+void OutputClaims::reads_model(const std::string& name_or_file) {
+  if (!is_file(name_or_file)) return;
+  reads(name_or_file);
+  if (!flies::is_network_file(name_or_file)) return;
+  for (const char* extension : {".yaml", ".cfg", ".weights", ".prototxt", ".caffemodel"})
+    if (const auto other = fs::path(name_or_file).replace_extension(extension); is_file(other)) reads(other.string());
+}
+
+void OutputClaims::reads_method(const MethodArguments& method) {
+  reads(method.options_file);
+  reads_model(people_model_of(method));
+}
+
 bool OutputClaims::claim(const std::string& path, const std::string& option) {
   if (path.empty() || is_device(path)) return false;
-  const auto [other, is_new] = purpose_of_file_.emplace(identity(path), "the output of " + option);
+  const auto [known, is_new] = writer_of_file_.emplace(identity(path), Writer{path, option});
   if (is_new) return path != "-";
-  if (path == "-") throw flies::InputError("standard output", option, "it is already " + other->second);
-  throw flies::InputError(path, option, "this file is already " + other->second);
+  const Writer& writer = known->second;
+  if (writer.option.empty()) throw flies::InputError(path, option, kIsInput);
+  if (path == "-") throw flies::InputError("standard output", option, "it is already the output of " + writer.option);
+  throw flies::InputError(path, option, "this file is already the output of " + writer.option);
 }
 
 void OutputClaims::writes(const std::string& path, const std::string& option) {

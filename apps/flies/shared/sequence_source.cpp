@@ -145,6 +145,7 @@ void open_recording(SequenceSource& source, const std::string& path,
     source.times_s.push_back(source.recording->time_s(i));
   }
   source.notes = source.recording->notes();
+  source.files.push_back(path);
   if (source.calib.empty()) source.calib = path;
 }
 
@@ -194,6 +195,8 @@ SequenceSource open_sequence(const SequenceRequest& request) {
     if (source.calib.empty()) throw flies::InputError("command line", "--calib", "is missing, expected a file");
     open_folders(source, request.sources[0], request.sources[1]);
   }
+  if (!flies::detail::is_there(own_times)) own_times.clear();
+  source.files.insert(source.files.end(), {own_times, source.calib});
 
   if (!request.times.empty()) {
     source.times_s = times_of(request.times, source.pairs, source.notes);
@@ -201,7 +204,7 @@ SequenceSource open_sequence(const SequenceRequest& request) {
     source.times_s = even_times(source.pairs, *request.rate_hz, source.notes);
   } else if (source.recording) {
     // has its own
-  } else if (!own_times.empty() && flies::detail::is_there(own_times)) {
+  } else if (!own_times.empty()) {
     source.times_s = times_of(own_times, source.pairs, source.notes);
   } else if (auto times_s = named_times(source.pairs)) {
     source.times_s = std::move(*times_s);

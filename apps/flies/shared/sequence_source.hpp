@@ -16,6 +16,7 @@ struct SequenceSource {
   std::vector<flies::PairPaths> pairs;              ///< of a recording what they are called
   std::vector<double> times_s;                      ///< one a pair
   std::string calib;                                ///< the one beside a KITTI raw drive, unless another was given
+  std::vector<std::string> files;                   ///< that are read beside the images: calibration, times, recording
   std::vector<std::string> notes;                   ///< sentences on what was assumed
   std::shared_ptr<const Recording> recording = {};  ///< where the pairs come from one
   flies::PairReading reading = {};                  ///< how their files hold them

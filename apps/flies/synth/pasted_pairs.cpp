@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <opencv2/core.hpp>
 
@@ -14,9 +15,13 @@
 #include "flies/eval/footprint.hpp"
 #include "flies/eval/yardstick.hpp"
 #include "flies/io/calibration.hpp"
+#include "flies/io/folder.hpp"
+#include "flies/io/image_folder.hpp"
 #include "flies/io/output_file.hpp"
 #include "shared/notes.hpp"
 #include "synth/synth_output.hpp"
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -104,13 +109,34 @@ flies::Dataset open_pairs(const std::string& folder) {
   return flies::open_dataset(folder, request);
 }
 
+/// The entry of a folder that a file lies in; empty when it lies elsewhere.
+std::string entry_of(const std::string& folder, const std::string& file) {
+  std::error_code ignored;
+  const fs::path place = fs::weakly_canonical(file, ignored).lexically_relative(fs::weakly_canonical(folder, ignored));
+  return place.empty() ? "" : place.begin()->string();
+}
+
 std::string name_of(std::size_t frame) { return fmt::format("{:06}", frame); }
 
 }  // namespace
 
 PastedPairs::PastedPairs(const std::string& people, const std::string& pairs, const flies::PasteOptions& options)
-    : dataset_(open_pairs(pairs)), cut_outs_(flies::load_cut_outs(people)), options_(options) {
+    : people_folder_(people), dataset_(open_pairs(pairs)), cut_outs_(flies::load_cut_outs(people)), options_(options) {
   say_notes(dataset_.notes);
+}
+
+std::vector<std::string> PastedPairs::inputs() const {
+  std::vector<std::string> files = dataset_.files;
+  for (const auto& [left, right] : dataset_.pairs) files.insert(files.end(), {left, right});
+  for (const auto& file : flies::detail::files_below(people_folder_, flies::detail::is_image_name))
+    files.push_back(file.string());
+  return files;
+}
+
+void PastedPairs::check_apart(const std::string& folder, const std::vector<std::string>& entries) const {
+  for (const auto& input : inputs())
+    if (std::ranges::find(entries, entry_of(folder, input)) != entries.end())
+      throw flies::InputError(folder, "", fmt::format("{} in it is an input: choose another folder", input));
 }
 
 std::vector<std::size_t> PastedPairs::choose(int start, int step, std::optional<int> frames) const {

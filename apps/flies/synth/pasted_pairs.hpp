@@ -17,6 +17,11 @@ class PastedPairs {
   /// @throws flies::InputError when either folder cannot be read
   PastedPairs(const std::string& people, const std::string& pairs, const flies::PasteOptions& options);
 
+  /// What goes into `folder` must not take the place of what it is made of.
+  /// @param entries of the folder that are replaced
+  /// @throws flies::InputError naming the folder when pairs, truth or people are read from one of them
+  void check_apart(const std::string& folder, const std::vector<std::string>& entries) const;
+
   /// Numbers of the pairs of a run: from `start` on every `step`-th, `frames` of them, which go round again when there
   /// are fewer.
   /// @throws flies::InputError when there is none
@@ -33,6 +38,10 @@ class PastedPairs {
   std::string summary(const std::string& folder) const;
 
  private:
+  /// The files that pairs, truth and people are read from.
+  std::vector<std::string> inputs() const;
+
+  std::string people_folder_;
   flies::Dataset dataset_;
   flies::CutOuts cut_outs_;
   flies::PasteOptions options_;

@@ -168,6 +168,7 @@ void run_paste(const SynthArguments& arguments) {
   // Only what pasting has: the options of drawn scenes are unknown to it.
   const auto options = with_settings(flies::PasteOptions{}, arguments);
   PastedPairs pairs(arguments.paste, arguments.onto, options);
+  pairs.check_apart(arguments.folder, kEntries);
   const auto frames = pairs.choose(arguments.start, arguments.step, arguments.frames);
   StagedFolder folder(arguments.folder, kEntries, arguments.force);
   {

@@ -47,15 +47,16 @@ struct TrackArguments {
 };
 
 /// Before the work; the files themselves are opened when the first pair is known to be good.
-void check_outputs(const TrackArguments& arguments) {
+OutputClaims check_outputs(const TrackArguments& arguments) {
   OutputClaims claims;
-  for (const auto& source : arguments.sequence.sources) claims.reads(source);
-  for (const auto& path : {arguments.sequence.calib, arguments.sequence.times, arguments.camera.right_calib,
-                           arguments.method.options_file, arguments.method.model})
-    claims.reads(path);
+  claims.reads(arguments.sequence.sources);
+  claims.reads(arguments.sequence.times);
+  claims.reads_method(arguments.method);
+  claims.reads_calibration(arguments.sequence.calib, arguments.camera.right_calib);
   claims.writes_in_place(arguments.json, "--json");
   claims.writes_in_place(arguments.kitti, "--kitti");
   claims.writes(arguments.video, "--video");
+  return claims;
 }
 
 /// The film of a run, in the time of its pairs.
@@ -134,7 +135,7 @@ void require_a_true_pair(const CalibratedRun& run) {
 }
 
 void run_track(TrackArguments arguments) {
-  check_outputs(arguments);
+  OutputClaims claims = check_outputs(arguments);
   const flies::DetectorOptions unfitted = effective_options(arguments.method);
   const flies::TrackerOptions following = following_options(arguments.method, arguments.following);
   const auto classifier = classifier_of(arguments.method);
@@ -143,6 +144,8 @@ void run_track(TrackArguments arguments) {
   if (!arguments.topics.empty()) arguments.sequence.topics = std::array{arguments.topics[0], arguments.topics[1]};
   arguments.sequence.reading = reading_of(arguments.reading);
   const SequenceSource source = open_sequence(arguments.sequence);
+  claims.reads(source.pairs);
+  claims.reads(source.files);
 
   // The detector keeps to its own arena; this holds OpenCV, which runs on oneTBB too, to the same number.
   std::optional<tbb::global_control> thread_limit;

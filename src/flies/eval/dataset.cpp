@@ -40,6 +40,11 @@ void refuse_raw(const std::string& calibration_file) {
                    "belongs to raw images, expected that of the rectified images whose truth is known");
 }
 
+void add_files(std::initializer_list<fs::path> files, Dataset& dataset) {
+  for (const auto& file : files)
+    if (detail::is_there(file)) dataset.files.push_back(file.string());
+}
+
 void add_notes(const Calibration& calibration, const std::string& file, std::vector<std::string>& notes) {
   for (const auto& note : calibration.notes) notes.push_back(file + ": " + note.text);
 }
@@ -84,6 +89,7 @@ StereoCamera shared_camera(const fs::path& folder, const DatasetRequest& request
   if (calibration.rectifier) refuse_raw(file);
   check_camera_fits(calibration.camera, first.left.width_px, first.left.height_px, file);
   add_notes(calibration, file, dataset.notes);
+  add_files({file}, dataset);
   StereoCamera camera = calibration.camera;
   camera.width_px = first.left.width_px;
   camera.height_px = first.left.height_px;

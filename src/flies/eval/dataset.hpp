@@ -49,6 +49,7 @@ struct Dataset {
   bool is_sequence = false;             ///< consecutive pairs of one drive; otherwise each pair stands alone
   std::vector<PairPaths> pairs = {};    ///< in order
   std::vector<std::string> notes = {};  ///< sentences on what was assumed
+  std::vector<std::string> files = {};  ///< that are read beside the images: calibrations, truth, times
   std::function<TruthFrame(std::size_t)> load = {};  ///< reads a pair by its index; throws InputError
   std::vector<double> times_s = {};                  ///< of the pairs, ascending; empty when not known
   std::vector<EgoMotion> true_ego = {};  ///< since the pair before, unknown at the first; empty when not known

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +27,9 @@ void refuse_calib(const std::filesystem::path& folder, const DatasetRequest& req
 /// @throws InputError when cameras were chosen that the folder does not have
 void refuse_cameras(const std::filesystem::path& folder, const DatasetRequest& request);
 [[noreturn]] void refuse_raw(const std::string& calibration_file);
+
+/// Adds those files that are there to the ones that are read.
+void add_files(std::initializer_list<std::filesystem::path> files, Dataset& dataset);
 
 /// Notes on a calibration with the name of its file.
 void add_notes(const Calibration& calibration, const std::string& file, std::vector<std::string>& notes);

@@ -38,6 +38,17 @@ void add_motion(const fs::path& drive, Dataset& dataset) {
   }
 }
 
+void add_drive_files(const fs::path& drive, Dataset& dataset) {
+  const fs::path day = drive.parent_path(), oxts = drive / "oxts";
+  add_files({day / "calib_cam_to_cam.txt", day / "calib_velo_to_cam.txt", day / "calib_imu_to_velo.txt",
+             drive / "tracklet_labels.xml", oxts / "timestamps.txt"},
+            dataset);
+  if (detail::is_there_as_folder(oxts / "data"))
+    for (const auto& file : detail::files_of(oxts / "data")) add_files({file}, dataset);
+  for (const auto& pair : dataset.pairs)
+    add_files({drive / "velodyne_points" / "data" / (detail::stem_of(pair.left) + ".bin")}, dataset);
+}
+
 }  // namespace
 
 Dataset open_kitti_drive(const fs::path& folder, const DatasetRequest& request) {
@@ -62,6 +73,7 @@ Dataset open_kitti_drive(const fs::path& folder, const DatasetRequest& request) 
   if (const auto mount = mount_from_road(dataset.pairs, camera, request, dataset.notes)) camera.mount = *mount;
   const auto truth = std::make_shared<KittiDrive>(drive, camera, cameras[0]);
   add_motion(drive, dataset);
+  add_drive_files(drive, dataset);
   dataset.load = [truth, camera, pairs = dataset.pairs](std::size_t i) {
     return TruthFrame{load_images(pairs[i], camera), camera, truth->read(detail::stem_of(pairs[i].left))};
   };
@@ -76,9 +88,13 @@ Dataset open_kitti_object(const fs::path& folder, const DatasetRequest& request)
     if (file.extension() == ".txt") names.insert(file.stem().string());
   if (names.empty()) throw InputError((folder / "label_2").string(), "", "holds no labels, expected .txt files");
   Dataset dataset{.kind = TruthKind::kitti_object};
-  for (const auto& name : names)
+  for (const auto& name : names) {
     dataset.pairs.push_back(
         {(folder / "image_2" / (name + ".png")).string(), (folder / "image_3" / (name + ".png")).string()});
+    add_files({folder / "label_2" / (name + ".txt"), folder / "calib" / (name + ".txt"),
+               folder / "velodyne" / (name + ".bin")},
+              dataset);
+  }
   const auto calib_of = [folder](const std::string& name) { return (folder / "calib" / (name + ".txt")).string(); };
   const auto calibration_of = [calib_of](const std::string& name, const GrayPair& images, CalibrationRequest wanted) {
     wanted.width_px = images.left.width_px;
@@ -113,9 +129,13 @@ Dataset open_kitti_stereo(const fs::path& folder, const DatasetRequest& request)
   if (names.empty())
     throw InputError((folder / "disp_noc").string(), "", "holds no disparity maps, expected .png files");
   Dataset dataset{.kind = TruthKind::kitti_stereo};
-  for (const auto& name : names)
+  for (const auto& name : names) {
     dataset.pairs.push_back(
         {(folder / "image_0" / (name + ".png")).string(), (folder / "image_1" / (name + ".png")).string()});
+    add_files({folder / "disp_noc" / (name + ".png")}, dataset);
+  }
+  for (const auto& file : detail::files_of(folder))
+    if (file.filename().string().starts_with("calib_")) add_files({file}, dataset);
   const auto calib_of = [folder, file = request.calib](const GrayPair& images) {
     const auto [width_px, height_px] = std::pair(images.left.width_px, images.left.height_px);
     return file.empty() ? (folder / fmt::format("calib_{}x{}.yaml", width_px, height_px)).string() : file;

@@ -73,6 +73,16 @@ std::function<StereoCamera(const std::string&)> camera_of_scenes(const fs::path&
   return [calibration_of, wanted](const std::string& name) { return calibration_of(name, wanted).first.camera; };
 }
 
+void add_scene_files(const fs::path& folder, Dataset& dataset) {
+  for (const auto& pair : dataset.pairs) {
+    const std::string name = detail::stem_of(pair.left);
+    add_files({folder / "truth" / (name + ".json"), folder / "disparity" / (name + ".png"),
+               folder / "calib" / (name + ".yaml")},
+              dataset);
+  }
+  add_files({folder / "times.txt"}, dataset);
+}
+
 }  // namespace
 
 Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
@@ -86,6 +96,7 @@ Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
   if (static_cast<std::size_t>(truths) != dataset.pairs.size())
     throw InputError((folder / "truth").string(), "",
                      fmt::format("found {} JSON files, expected {}, one a pair", truths, dataset.pairs.size()));
+  add_scene_files(folder, dataset);
   const auto camera_of = camera_of_scenes(folder, request, dataset);
   if (detail::is_there(folder / "times.txt")) add_moments(folder, dataset);
   dataset.load = [folder, camera_of, pairs = dataset.pairs](std::size_t i) {
@@ -116,6 +127,7 @@ Dataset open_foot_points(const fs::path& folder, const DatasetRequest& request) 
     dataset.pairs.push_back({left.string(), (folder / (stem + left.extension().string())).string()});
   }
   const StereoCamera camera = shared_camera(folder, request, dataset);
+  add_files({folder / "truth.csv"}, dataset);
   auto truths = read_foot_points(folder / "truth.csv", camera);
   if (truths.size() > dataset.pairs.size())
     throw InputError((folder / "truth.csv").string(), "frame",

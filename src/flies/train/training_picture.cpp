@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <filesystem>
 #include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -71,6 +75,20 @@ std::vector<TrainingPicture> find_background(std::span<const std::string> folder
     std::move(pictures.begin(), pictures.end(), std::back_inserter(result));
   }
   return result;
+}
+
+std::vector<std::string> files_to_train_on(std::span<const std::string> folders) {
+  const auto is_read = [](const fs::path& file) {
+    constexpr std::array<std::string_view, 5> kLabels = {".txt", ".xml", ".yaml", ".yml", ".names"};
+    std::string extension = file.extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+    return detail::is_image_name(file) || std::ranges::find(kLabels, extension) != kLabels.end();
+  };
+  std::vector<std::string> files;
+  for (const auto& folder : folders)
+    for (const auto& file : detail::files_below(folder, is_read)) files.push_back(file.string());
+  return files;
 }
 
 GrayImage load_picture(const TrainingPicture& picture) {

@@ -43,6 +43,9 @@ std::vector<TrainingPicture> find_pictures_of_people(std::span<const std::string
 /// @throws InputError as `find_pictures_of_people`
 std::vector<TrainingPicture> find_background(std::span<const std::string> folders);
 
+/// All files in these folders and below that the two above may read: pictures and labels.
+std::vector<std::string> files_to_train_on(std::span<const std::string> folders);
+
 /// The left images of stereo pairs with the windows that the flies propose in them. The folders are those that
 /// `open_dataset` reads; all people and riders in their truth are marked as not to be learnt from.
 /// @throws InputError as `open_dataset`

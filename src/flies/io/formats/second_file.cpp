@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -26,14 +24,14 @@ std::optional<std::string> right_name(const std::string& left) {
   return std::nullopt;
 }
 
+}  // namespace
+
 std::optional<fs::path> right_file_beside(const fs::path& left) {
   if (const auto name = right_name(left.filename().string())) return left.parent_path() / *name;
   const fs::path folder = fs::absolute(left).parent_path();
   if (const auto name = right_name(folder.filename().string())) return folder.parent_path() / *name / left.filename();
   return std::nullopt;
 }
-
-}  // namespace
 
 NumberTable read_right_file(const NumberTable& left, const CalibrationRequest& request) {
   if (!request.right_path.empty()) return read_number_table(request.right_path);
