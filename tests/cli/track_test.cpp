@@ -92,6 +92,26 @@ TEST_F(TrackCommand, APairThatCannotBeUsedCostsNoOther) {
   EXPECT_TRUE(none.out.empty());
 }
 
+TEST_F(TrackCommand, FeetOfKittiStandOnTheRoadThatWasFound) {
+  // Told 0.1 m too low: the road then lies 0.1 m below the vehicle's ground.
+  Words words = {"track",           "left", "right",          "--calib", "calib.txt", "--rate", "20",
+                 "--camera-height", "1.55", "--camera-pitch", "0",       "--mount",   "given"};
+  words.insert(words.end(), {"--kitti", "t.txt", "--json", "t.jsonl"});
+  const RunResult result = run_flies(folder.path(), words);
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json road = json::parse(lines(read_text(folder.path() / "t.jsonl")).back()).at("road");
+  EXPECT_LT(road.at("height_m").get<double>(), -0.05) << road;
+  std::istringstream line(lines(read_text(folder.path() / "t.txt")).back());
+  const std::vector<std::string> fields{std::istream_iterator<std::string>(line), {}};
+  const double bottom_px = std::stod(fields.at(9)), right_m = std::stod(fields.at(13));
+  const double down_m = std::stod(fields.at(14)), ahead_m = std::stod(fields.at(15));
+  const auto of_road = [&](const char* key) { return road.at(key).get<double>(); };
+  constexpr double kRounding_m = 0.006;  // centimetres are written
+  EXPECT_NEAR(down_m, 1.55 - of_road("height_m") - of_road("slope") * ahead_m + of_road("bank") * right_m, kRounding_m);
+  const StereoCamera camera = street_camera();
+  EXPECT_NEAR(camera.cy_px + camera.fy_px * down_m / ahead_m, bottom_px, 1.5);
+}
+
 TEST_F(TrackCommand, TellsHowMuchIsLeftWhereNothingElseIsPrinted) {
   // A terminal of its own; without one a line comes every half minute.
   const auto on_terminal = [&](const std::string& more) {
@@ -145,21 +165,17 @@ TEST_F(TrackCommand, WritesKittisTrackingFormat) {
   for (const auto& line : text) EXPECT_EQ(std::count(line.begin(), line.end(), ' '), 17) << line;
 }
 
-TEST_F(TrackCommand, PlacesOfKittisFormatPitchWithTheCamera) {
-  const auto first_place = [&](const std::string& pitch_deg) {
+TEST_F(TrackCommand, PlacesOfKittisFormatAreOnTheRoadThatIsSeen) {
+  const auto first_down_m = [&](const std::string& pitch_deg) {
     const RunResult result =
         run_flies(folder.path(), {"track", "left", "right", "--calib", "calib.txt", "--rate", "10", "--kitti", "-",
-                                  "--camera-height", "1.65", "--camera-pitch", pitch_deg});
+                                  "--camera-height", "1.65", "--camera-pitch", pitch_deg, "--mount", "given"});
     EXPECT_EQ(result.status, 0) << result.err;
     std::istringstream words(lines(result.out).at(0));
-    std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
-    return std::pair(std::stod(fields.at(14)), std::stod(fields.at(15)));  // down, forward
+    return std::stod(std::vector<std::string>{std::istream_iterator<std::string>(words), {}}.at(14));
   };
-  EXPECT_NEAR(first_place("0").first, 1.65, 0.01);
-  const auto [down_m, forward_m] = first_place("2");
-  const double pitch_rad = 2.0 * std::acos(-1.0) / 180.0;
-  // The foot of what stands there is 1.65 m below the camera, by its own pitch.
-  EXPECT_NEAR(down_m * std::cos(pitch_rad) + forward_m * std::sin(pitch_rad), 1.65, 0.02);
+  // What stands there is 1.65 m below the camera, whatever is said of the pitch.
+  for (const char* pitch_deg : {"0", "2"}) EXPECT_NEAR(first_down_m(pitch_deg), 1.65, 0.03) << pitch_deg;
 }
 
 TEST_F(TrackCommand, RefusesAFileThatAnotherRunWrites) {

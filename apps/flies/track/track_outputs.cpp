@@ -99,11 +99,12 @@ std::string track_json_line(const TrackedFrame& frame, const std::string& error)
 }
 
 // The axes of the camera: x right, y down, z forward. Lengths and headings of what stands are not known: -1 and -10, as
-// KITTI has it. What is no longer before the camera has no line.
+// KITTI has it. Feet stand on the road that was found. What is no longer before the camera has no line.
 std::string kitti_tracking_lines(const TrackedFrame& frame) {
   std::string lines;
   for (const auto& t : frame.tracking.tracks) {
-    const auto foot = flies::kitti_place(frame.camera, {t.state.x_m, t.state.y_m, 0.0});
+    const double z_m = frame.tracking.detection.road.plane.z_m(t.state.x_m, t.state.y_m);
+    const auto foot = flies::kitti_place(frame.camera, {t.state.x_m, t.state.y_m, z_m});
     if (!foot) continue;
     const double heading_rad = t.velocity.moving_probability > 0.5
                                    ? flies::kitti_heading_rad(std::atan2(t.velocity.vy_mps, t.velocity.vx_mps))
