@@ -360,7 +360,10 @@ std::vector<BadTruth> bad_truths() {
          return evaluate();
        },
        {"scenes/disparity/a.png"}},
-      {"NegativeStep", with_words({"--step", "-1"}), {"--step", "-1"}},
+      {"NegativeStep", with_words({"--step", "-1"}), {"--step: Value -1 not in range 1 to 1000000000;"}},
+      {"NegativeStart", with_words({"--start", "-1"}), {"--start: Value -1 not in range 0 to 1000000000;"}},
+      {"NoEnd", with_words({"--end", "0"}), {"--end: Value 0 not in range 1 to 1000000000;"}},
+      {"NoBaseline", with_words({"--baseline", "0"}), {"--baseline: Value 0 not in range 0.000100 to 10000.000000;"}},
       {"NoSeeds", with_words({"--seeds", "0"}), {"--seeds"}},
       {"MatchOptionOutOfRange", with_words({"--match.radius_m", "-1"}), {"radius_m", "-1"}},
       {"MethodOptionOutOfRange", with_words({"--evolve.generations", "-1"}), {"evolve.generations", "-1"}},

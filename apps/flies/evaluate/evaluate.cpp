@@ -266,11 +266,16 @@ void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
       .add_option("--unlabelled", arguments.unlabelled,
                   "people who are real but not labelled, to be ignored: name,left,top,width,height a line")
       ->type_name("FILE");
-  command.add_option("--start", arguments.start, "first pair, from 0")->check(CLI::NonNegativeNumber)->type_name("N");
-  command.add_option("--end", arguments.end, "pair to stop before, from 0; else all")
-      ->check(CLI::PositiveNumber)
+  constexpr int kMostPairs = 1'000'000'000;
+  command.add_option("--start", arguments.start, "first pair, from 0")
+      ->check(CLI::Range(0, kMostPairs).description(""))
       ->type_name("N");
-  command.add_option("--step", arguments.step, "every so many pairs")->check(CLI::PositiveNumber)->type_name("N");
+  command.add_option("--end", arguments.end, "pair to stop before, from 0; else all")
+      ->check(CLI::Range(1, kMostPairs).description(""))
+      ->type_name("N");
+  command.add_option("--step", arguments.step, "every so many pairs")
+      ->check(CLI::Range(1, kMostPairs).description(""))
+      ->type_name("N");
 }
 
 }  // namespace

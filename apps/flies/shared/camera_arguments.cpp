@@ -26,7 +26,7 @@ void add_baseline_option(CLI::App& command, CameraArguments& arguments) {
   command
       .add_option("--baseline", arguments.baseline_m,
                   "distance between the two cameras, metres: overrules the file, whose lengths may be in another unit")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(CLI::Range(0.0001, 10000.0).description(""))
       ->type_name("M");
 }
 

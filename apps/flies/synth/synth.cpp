@@ -188,6 +188,7 @@ void run_paste(const SynthArguments& arguments) {
 
 void setup_synth(CLI::App& app) {
   CLI::App* command = app.add_subcommand("synth", "render streets and other places with known truth");
+  constexpr int kMostPairs = 1'000'000'000;
   const auto arguments = std::make_shared<SynthArguments>();
   command->add_option("OUT", arguments->folder, "folder to make")->required();
   command
@@ -210,11 +211,11 @@ void setup_synth(CLI::App& app) {
   onto->needs(paste)->type_name("DIR");
   paste->needs(onto);
   command->add_option("--start", arguments->start, "first of these pairs, from 0")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, kMostPairs).description(""))
       ->needs(onto)
       ->type_name("N");
   command->add_option("--step", arguments->step, "every so many of them")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, kMostPairs).description(""))
       ->needs(onto)
       ->type_name("N");
   command->add_option("--threads", arguments->threads, "worker threads, 0 for one per core; pixels do not depend on it")
