@@ -112,6 +112,28 @@ TEST_F(TrackCommand, FeetOfKittiStandOnTheRoadThatWasFound) {
   EXPECT_NEAR(camera.cy_px + camera.fy_px * down_m / ahead_m, bottom_px, 1.5);
 }
 
+TEST_F(TrackCommand, TellsThatTheRateOverrulesTimes) {
+  const auto notes = [&](const Words& more) {
+    const RunResult result = run(more);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.err;
+  };
+  const Words words = {"--calib", "calib.txt", "--rate", "20", "--json", "-"};
+  EXPECT_THAT(notes(words), ::testing::Not(HasSubstr("instead of")));
+  for (const char* side : {"left", "right"})
+    for (const char* number : {"0", "1", "2"})
+      fs::rename(folder.path() / side / (std::string(number) + ".png"),
+                 folder.path() / side / ("1403636579" + std::string(number) + "63555584.png"));
+  EXPECT_THAT(notes(words), HasSubstr("times are even, 20 pairs a second (--rate), instead of those in the names"));
+}
+
+TEST_F(TrackCommand, RefusesTopicsOfImages) {
+  const RunResult result = run({"--calib", "calib.txt", "--rate", "20", "--topics", "a,b", "--json", "t.jsonl"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("--topics: are those of a recording"));
+  EXPECT_EQ(lines(result.err).size(), 1U) << result.err;
+}
+
 TEST_F(TrackCommand, TellsHowMuchIsLeftWhereNothingElseIsPrinted) {
   // A terminal of its own; without one a line comes every half minute.
   const auto on_terminal = [&](const std::string& more) {

@@ -149,6 +149,19 @@ void open_recording(SequenceSource& source, const std::string& path,
   if (source.calib.empty()) source.calib = path;
 }
 
+/// Where the times of their own are that a source has; nothing when it has none.
+std::optional<std::string> place_of_times(const SequenceSource& source, const std::string& own_times) {
+  if (source.recording) return "those of the recording";
+  if (!own_times.empty()) return "those in " + own_times;
+  return named_times(source.pairs) ? std::optional<std::string>("those in the names of the images") : std::nullopt;
+}
+
+void refuse_topics(const SequenceRequest& request) {
+  if (request.topics)
+    throw flies::InputError("command line", "--topics",
+                            fmt::format("are those of a recording (.mcap, .bag), and {} is none", request.sources[0]));
+}
+
 void open_folders(SequenceSource& source, const std::string& left, const std::string& right) {
   auto found = flies::match_all(left, right);
   source.pairs = std::move(found.pairs);
@@ -166,7 +179,9 @@ SequenceSource open_sequence(const SequenceRequest& request) {
   source.calib = request.calib;
   source.reading = request.reading;
   std::string own_times;
-  if (const auto recording = recording_in(request)) {
+  const auto recording = recording_in(request);
+  if (!recording) refuse_topics(request);
+  if (recording) {
     open_recording(source, *recording, request.topics);
   } else if (request.reading.split != flies::Split::none) {
     if (request.sources.size() > 1)
@@ -202,6 +217,9 @@ SequenceSource open_sequence(const SequenceRequest& request) {
     source.times_s = times_of(request.times, source.pairs, source.notes);
   } else if (request.rate_hz) {
     source.times_s = even_times(source.pairs, *request.rate_hz, source.notes);
+    if (const auto place = place_of_times(source, own_times))
+      source.notes.push_back(
+          fmt::format("times are even, {:.4g} pairs a second (--rate), instead of {}", *request.rate_hz, *place));
   } else if (source.recording) {
     // has its own
   } else if (!own_times.empty()) {

@@ -228,7 +228,7 @@ void setup_track(CLI::App& app) {
       ->expected(1, 2);
   command->add_option("--calib", arguments->sequence.calib, "calibration; of a drive the one beside it, if not given")
       ->type_name("FILE");
-  command->add_option("--rate", arguments->sequence.rate_hz, "pairs a second, where there are no times")
+  command->add_option("--rate", arguments->sequence.rate_hz, "pairs a second, instead of their own times")
       ->check(CLI::Range(0.01, 10000.0).description(""))
       ->type_name("HZ");
   command->add_option("--times", arguments->sequence.times, "times of the pairs, one a line: seconds, or as KITTI raw")
