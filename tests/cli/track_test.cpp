@@ -11,6 +11,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -134,6 +135,18 @@ TEST_F(TrackCommand, RefusesTopicsOfImages) {
   EXPECT_EQ(lines(result.err).size(), 1U) << result.err;
 }
 
+TEST_F(TrackCommand, FilmShowsEachPairUntilTheTimeOfTheNext) {
+  // The second is awaited for two seconds, not for five.
+  write_text(folder.path() / "times.txt", "0.0\n0.1\n5.1\n");
+  const RunResult result = run({"--calib", "calib.txt", "--times", "times.txt", "--video", "t.mp4"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  cv::VideoCapture film((folder.path() / "t.mp4").string());
+  EXPECT_NEAR(film.get(cv::CAP_PROP_FPS), 30.0, 1e-6);
+  int pictures = 0;
+  for (cv::Mat picture; film.read(picture);) ++pictures;
+  EXPECT_EQ(pictures, 3 + 60 + 1);
+}
+
 TEST_F(TrackCommand, TellsHowMuchIsLeftWhereNothingElseIsPrinted) {
   // A terminal of its own; without one a line comes every half minute.
   const auto on_terminal = [&](const std::string& more) {
@@ -218,7 +231,7 @@ TEST_F(TrackCommand, FilmThatDidNotFitOnTheDiskIsAFault) {
   const auto before = folder.listing();
   const RunResult result = run_flies(folder.path(), words, "ulimit -f 4;");
   EXPECT_EQ(result.status, 2);
-  EXPECT_THAT(lines(result.err).back(), HasSubstr("t.mp4: cannot be written: 0 of 3 pictures"));
+  EXPECT_THAT(lines(result.err).back(), HasSubstr("t.mp4: cannot be written: 0 of 7 pictures"));
   EXPECT_EQ(folder.listing(), before);
 }
 

@@ -16,7 +16,6 @@
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
 #include "flies/pipeline/tracker.hpp"
-#include "flies/video/film.hpp"
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
 #include "shared/line_file.hpp"
@@ -30,6 +29,7 @@
 #include "shared/run_diagnosis.hpp"
 #include "shared/sequence_source.hpp"
 #include "shared/standard_output.hpp"
+#include "track/timed_film.hpp"
 #include "track/track_outputs.hpp"
 #include "track/track_picture.hpp"
 
@@ -59,32 +59,11 @@ OutputClaims check_outputs(const TrackArguments& arguments) {
   return claims;
 }
 
-/// The film of a run, in the time of its pairs.
-class TrackFilm {
- public:
-  TrackFilm(const std::string& path, const std::vector<double>& times_s) : film_(path, rate_hz(times_s)) {}
-
-  void add(const flies::RectifiedPair& pair, const TrackedFrame& frame) {
-    film_.add(track_picture(view_, pair.left, frame));
-  }
-  void commit() { film_.commit(); }
-
- private:
-  static double rate_hz(const std::vector<double>& times_s) {
-    constexpr double kOfOnePair_hz = 10.0;
-    if (times_s.size() < 2) return kOfOnePair_hz;
-    return static_cast<double>(times_s.size() - 1) / (times_s.back() - times_s.front());
-  }
-
-  flies::Film film_;
-  flies::TrackView view_;
-};
-
 /// Where a run writes to.
 class TrackOutputFiles {
  public:
-  TrackOutputFiles(const TrackArguments& arguments, const std::vector<double>& times_s) {
-    if (!arguments.video.empty()) film_.emplace(arguments.video, times_s);
+  explicit TrackOutputFiles(const TrackArguments& arguments) {
+    if (!arguments.video.empty()) film_.emplace(arguments.video);
     if (!arguments.json.empty()) json_.emplace(arguments.json);
     if (!arguments.kitti.empty()) kitti_.emplace(arguments.kitti);
     prints_ = (!film_ && !json_ && !kitti_) || arguments.json == "-" || arguments.kitti == "-";
@@ -96,7 +75,7 @@ class TrackOutputFiles {
   void write(const TrackedFrame& frame, const flies::RectifiedPair& pair) {
     if (json_) json_->write(track_json_line(frame));
     if (kitti_) kitti_->write(kitti_tracking_lines(frame));
-    if (film_) film_->add(pair, frame);
+    if (film_) film_->add(track_picture(view_, pair.left, frame), frame.tracking.time_s);
     if (!json_ && !kitti_ && !film_) print(track_table(frame));
   }
   /// Of a pair that could not be used: its line says why.
@@ -104,12 +83,13 @@ class TrackOutputFiles {
     if (json_) json_->write(track_json_line(frame, error));
   }
   void commit() {
-    if (film_) film_->commit();
+    if (film_) film_->finish();
   }
 
  private:
   std::optional<LineFile> json_, kitti_;
-  std::optional<TrackFilm> film_;
+  std::optional<TimedFilm> film_;
+  flies::TrackView view_;
   bool prints_ = false;
 };
 
@@ -171,7 +151,7 @@ void run_track(TrackArguments arguments) {
   say_run(*run_of);
   require_a_true_pair(run);
 
-  TrackOutputFiles outputs(arguments, source.times_s);
+  TrackOutputFiles outputs(arguments);
   ProgressBar progress(outputs.use_the_terminal() ? 0 : source.pairs.size());
   ReadAhead<flies::GrayPair> ahead(
       source.pairs.size(), [&](std::size_t i) { return run.usable(i); }, options.threads != 1);
