@@ -72,6 +72,30 @@ TEST_F(Paste, WritesPairsThatEvaluateMeasures) {
   EXPECT_GT(evaluation.at("sectors").get<int>(), 50) << "the disparity maps are read";
 }
 
+TEST_F(Paste, RefusesOptionsOfDrawnScenes) {
+  for (const std::string option : {"--scene", "--cars"}) {
+    const RunResult result =
+        run("synth out --paste people --onto streets " + option + (option == "--cars" ? " 3" : " room"));
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(result.err, HasSubstr("command line: " + option + ": is for scenes that are drawn"));
+  }
+}
+
+TEST_F(Paste, DrawnScenesAreNamedAsTheHelpNamesThem) {
+  const auto fault = [&](const std::string& line) {
+    const RunResult result = run(line);
+    EXPECT_EQ(result.status, 2);
+    return result.err;
+  };
+  EXPECT_THAT(fault("synth out --scene streeet"), HasSubstr("command line: --scene: found 'streeet'"));
+  EXPECT_THAT(fault("synth out --scene room --sequence"),
+              HasSubstr("command line: --sequence: takes place in a street, found --scene room"));
+  EXPECT_THAT(fault("synth out --paste people --onto streets --step 0"),
+              HasSubstr("--step: Value 0 not in range 1 to 1000000000;"));
+  EXPECT_THAT(fault("synth out --paste people --onto streets --start -1"),
+              HasSubstr("--start: Value -1 not in range 0 to 1000000000;"));
+}
+
 TEST_F(Paste, RepeatsItselfFromItsSceneFile) {
   ASSERT_EQ(run("synth one --paste people --onto streets --seed 7 --people 2 --noise_gray 3").status, 0);
   ASSERT_EQ(run("synth two --paste people --onto streets --options one/scene.yaml").status, 0);

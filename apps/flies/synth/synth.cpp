@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -40,12 +41,25 @@ struct SynthArguments {
   int start = 0, step = 1;
 };
 
+/// The kind of scene is called `--scene` there.
+template <class Options>
+void set_from_command_line(Options& options, const std::string& name, const std::string& text) {
+  try {
+    flies::set_option(options, name, text, "command line");
+  } catch (const flies::InputError& fault) {
+    constexpr std::string_view kPlace = "command line: kind: ";
+    const std::string_view told = fault.what();
+    if (!told.starts_with(kPlace)) throw;
+    throw flies::InputError("command line", "--scene", std::string(told.substr(kPlace.size())));
+  }
+}
+
 template <class Options>
 Options with_settings(Options options, const SynthArguments& arguments) {
   if (!arguments.options_file.empty())
     for (const auto& setting : flies::load_options_yaml(arguments.options_file))
       flies::set_option(options, setting.path, setting.text, setting.source);
-  for (const auto& [name, text] : arguments.overrides) flies::set_option(options, name, text, "command line");
+  for (const auto& [name, text] : arguments.overrides) set_from_command_line(options, name, text);
   return options;
 }
 
@@ -80,6 +94,23 @@ std::string summary(const SynthArguments& arguments, int frames, std::size_t obs
                                : fmt::format("flies detect {}/left {}/right --calib {}/calib.yaml", out, out, out);
   return fmt::format("{}: {} {}, {} obstacles in view, {} of them people\nnext: {}\n", out, frames,
                      frames == 1 ? "pair" : "pairs", obstacles, people, next);
+}
+
+void check_place(const flies::SceneOptions& options, const SynthArguments& arguments) {
+  if (arguments.is_sequence && options.kind != flies::SceneKind::street)
+    throw flies::InputError("command line", "--sequence",
+                            fmt::format("takes place in a street, found --scene {}", flies::enum_name(options.kind)));
+}
+
+/// Options that only drawn scenes have.
+void refuse_options_of_scenes(const SynthArguments& arguments) {
+  const auto known = flies::list_options(flies::PasteOptions{});
+  for (const auto& [name, text] : arguments.overrides) {
+    const std::string option = name == "kind" ? "--scene" : "--" + name;
+    if (std::ranges::none_of(known, [&](const auto& listing) { return listing.path == name; }))
+      throw flies::InputError("command line", option,
+                              "is for scenes that are drawn: --paste puts people into the pairs of --onto as they are");
+  }
 }
 
 constexpr int kUsualSequenceFrames = 60;
@@ -138,6 +169,7 @@ const std::vector<std::string> kEntries = {"left",  "right",      "disparity",  
 
 void run_synth(const SynthArguments& arguments) {
   const flies::SceneOptions options = effective_options(arguments);
+  check_place(options, arguments);
   const flies::StereoCamera camera = flies::synthetic_camera(options);
   const int frames = frames_of(arguments);
   const Scenes scenes(options, arguments);
@@ -165,7 +197,7 @@ void run_synth(const SynthArguments& arguments) {
 }
 
 void run_paste(const SynthArguments& arguments) {
-  // Only what pasting has: the options of drawn scenes are unknown to it.
+  refuse_options_of_scenes(arguments);
   const auto options = with_settings(flies::PasteOptions{}, arguments);
   PastedPairs pairs(arguments.paste, arguments.onto, options);
   pairs.check_apart(arguments.folder, kEntries);
