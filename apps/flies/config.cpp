@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "flies/classify/named_models.hpp"
+#include "flies/classify/people_classifier.hpp"
 #include "flies/core/options.hpp"
 #include "shared/commands.hpp"
 #include "shared/method_arguments.hpp"
@@ -37,10 +39,17 @@ std::string option_table(const std::vector<flies::OptionListing>& listings) {
   return table;
 }
 
+/// @throws flies::InputError when it is neither the name of a model nor a file that holds one
+void check_model(const std::string& name_or_file) {
+  const auto names = flies::people_model_names();
+  if (std::ranges::find(names, name_or_file) == names.end()) flies::people_classifier(name_or_file);
+}
+
 void run_config(const ConfigArguments& arguments) {
   const flies::DetectorOptions options = effective_options(arguments.method);
   const flies::TrackerOptions following = following_options(arguments.method, arguments.following);
   const std::string people_model = people_model_of(arguments.method);
+  check_model(people_model);
   if (!arguments.list) return print(options_file_text(options, following, people_model));
   auto listings = flies::list_options(options);
   for (auto& listing : flies::list_options(following)) listings.push_back(std::move(listing));
@@ -62,6 +71,6 @@ void setup_config(CLI::App& app) {
       "\nExample:\n"
       "  flies config --preset paper --evolve.generations 2 > mine.yaml\n"
       "  flies detect left.png right.png --calib calib.txt --options mine.yaml\n"
-      "\nExit status: 0 done, 2 an unknown option or a value that is not allowed.");
+      "\nExit status: 0 done, 2 an unknown option, a value that is not allowed or no such model.");
   command->callback([arguments] { run_config(*arguments); });
 }

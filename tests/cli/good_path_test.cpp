@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "flies/classify/model_file.hpp"
+#include "flies/classify/named_models.hpp"
 #include "run_flies.hpp"
 #include "street_pair.hpp"
 
@@ -218,9 +220,23 @@ TEST(Config, FeedsBackToItself) {
 
 TEST(Config, WritesTheNameOfAModelThatIsNotUtf8) {
   const TestFolder folder;
+  write_people_model((folder.path() / "M\xFCller.json").string(), opencv_48x96());
   const RunResult result = run_flies(folder.path(), {"config", "--model", "M\xFCller.json"});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("people_model: \"M\xEF\xBF\xBDller.json\""));
+}
+
+TEST(Config, RefusesAModelThatIsNotThere) {
+  const TestFolder folder;
+  write_text(folder.path() / "options.yaml", "people_model: hog\n");
+  for (const Words& words : {Words{"config", "--model", "hog"}, Words{"config", "--options", "options.yaml"},
+                             Words{"config", "--list", "--model", "hog"}}) {
+    const RunResult result = run_flies(folder.path(), words);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(result.out, "");
+    EXPECT_THAT(result.err, HasSubstr("hog"));
+    EXPECT_EQ(lines(result.err).size(), 1U) << result.err;
+  }
 }
 
 TEST(Config, PaperMeansTheSameWrittenAndRead) {

@@ -93,6 +93,22 @@ TEST_F(TrackCommand, APairThatCannotBeUsedCostsNoOther) {
   EXPECT_TRUE(none.out.empty());
 }
 
+TEST_F(TrackCommand, TellsWhenNoPairCouldBeUsed) {
+  // Left and right differ in a corner, which is cut off by rectifying: only then they are one picture twice.
+  std::string camera =
+      "  camera_model: pinhole\n  intrinsics: [300, 300, 160, 120]\n  distortion_model: radtan\n"
+      "  distortion_coeffs: [-0.2, 0, 0, 0]\n  resolution: [320, 240]\n";
+  write_text(folder.path() / "raw.yaml",
+             "cam0:\n" + camera + "cam1:\n" + camera +
+                 "  T_cn_cnm1: [[1, 0, 0, -0.5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n");
+  cv::Mat other = street_pair().left.clone();
+  other.at<std::uint8_t>(0, 0) ^= 0xFF;
+  for (const char* name : {"0.png", "1.png", "2.png"}) cv::imwrite((folder.path() / "right" / name).string(), other);
+  const RunResult result = run({"--calib", "raw.yaml", "--rate", "20", "--json", "t.jsonl"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(lines(result.err).back(), HasSubstr("left: no pair could be used; the first: "));
+}
+
 TEST_F(TrackCommand, FeetOfKittiStandOnTheRoadThatWasFound) {
   // Told 0.1 m too low: the road then lies 0.1 m below the vehicle's ground.
   Words words = {"track",           "left", "right",          "--calib", "calib.txt", "--rate", "20",

@@ -188,6 +188,9 @@ void run_track(TrackArguments arguments) {
   }
   outputs.commit();
   say_notes(watch.counts());
+  if (faults.size() == source.pairs.size())
+    throw flies::InputError(arguments.sequence.sources.front(), "",
+                            "no pair could be used; the first: " + faults.front());
   if (!faults.empty())
     throw flies::InputError(arguments.sequence.sources.front(),
                             fmt::format("{} of {} pairs", faults.size(), source.pairs.size()),
