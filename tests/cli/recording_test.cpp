@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -137,7 +139,9 @@ void write_topics(const std::filesystem::path& path, const std::vector<std::stri
   std::string records;
   for (std::uint32_t i = 0; i < topics.size(); ++i) {
     const auto& [left, right] = street_pair();
-    const bool is_left = topics[i].find("eft") != std::string::npos || topics[i].find("EFT") != std::string::npos;
+    const bool is_left = std::ranges::any_of(std::array{"eft", "EFT", "infra1", "cam09"}, [&](const char* word) {
+      return topics[i].find(word) != std::string::npos;
+    });
     const auto& picture = is_left ? left : right;
     records += BagBytes::connection(i, topics[i], "sensor_msgs/Image");
     records += BagBytes::message(
@@ -167,8 +171,33 @@ TEST(Bags, TheWordForTheSideTellsTheTopics) {
             "drive.bag /left/image_color 0");
   EXPECT_EQ(left_of({"/left/image_rect_color", "/right/image_rect_color", "/left_raw/image", "/right_raw/image"}),
             "drive.bag /left/image_rect_color 0");
+  EXPECT_EQ(left_of({"/camera/infra2/image", "/camera/infra1/image"}), "drive.bag /camera/infra1/image 0");
+  EXPECT_EQ(left_of({"/cam10/image", "/cam09/image"}), "drive.bag /cam09/image 0");
+  EXPECT_THAT(left_of({"/cam0/image", "/cam1/image", "/cam2/image"}),
+              HasSubstr("cannot tell the left pictures from the right ones"));
   EXPECT_THAT(left_of({"/front/left/image", "/front/right/image", "/rear/left/image", "/rear/right/image"}),
               HasSubstr("cannot tell the left pictures from the right ones"));
+}
+
+TEST(Bags, TopicsThatNumbersTellAreNamed) {
+  const TestFolder folder;
+  write_text(folder.path() / "calib.txt", kitti_calibration());
+  write_topics(folder.path() / "drive.bag", {"/camera/infra1/image", "/camera/infra2/image"});
+  EXPECT_THAT(track(folder, {"--calib", "calib.txt"}).err,
+              HasSubstr("no topic says left or right: /camera/infra1/image is taken for the left one, "
+                        "/camera/infra2/image for the right one; --topics LEFT,RIGHT says otherwise"));
+}
+
+TEST(Bags, MessagesThatNothingDescribesAreToldOnce) {
+  const TestFolder folder;
+  std::string lost;
+  for (int i = 0; i < 100; ++i) lost += BagBytes::message({9, kStart_ns, "x"});
+  write_bag(folder.path() / "drive.bag", {.before = lost});
+  const RunResult result = track(folder, {});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(lines(result.out).size(), static_cast<std::size_t>(kPairs));
+  EXPECT_THAT(result.err, HasSubstr("there are messages of connections that it does not describe; that part of the file "
+                                    "is left out"));
 }
 
 TEST(Bags, PicturesOfOneSideAloneOfAFileThatWasCutOff) {
@@ -394,16 +423,18 @@ void write_mcap(const std::filesystem::path& path, const std::vector<std::pair<s
 TEST(OwnRecordings, FaultsOfTheirCalibrationAreNamed) {
   const TestFolder folder;
   const auto& [left, right] = street_pair();
-  const auto run = [&](const std::string& left_calibration) {
+  const auto run = [&](const std::string& left_calibration, const std::string& mount = "{}") {
     write_mcap(folder.path() / "street.mcap", {{"/left", picture_message(left)},
                                                {"/right", picture_message(right)},
                                                {"/left/calibration", left_calibration},
-                                               {"/right/calibration", calibration_message(true)}});
+                                               {"/right/calibration", calibration_message(true)},
+                                               {"/tf/camera", mount}});
     return run_flies(folder.path(), {"track", "street.mcap", "--camera-height", "1.65", "--json", "-"});
   };
   const RunResult good = run(calibration_message(false));
   EXPECT_EQ(good.status, 0) << good.err;
   EXPECT_EQ(lines(good.out).size(), 1U);
+  EXPECT_THAT(good.err, HasSubstr("is damaged where it says where the camera sits"));
   for (const std::vector<std::string>& option : {std::vector<std::string>{"--calib-size", "320,240"}, {"--raw"}}) {
     std::vector<std::string> words = {"track", "street.mcap"};
     words.insert(words.end(), option.begin(), option.end());

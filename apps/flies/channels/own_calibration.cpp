@@ -36,11 +36,13 @@ void OwnCalibration::read(const flies::RecordedMessage& message, const std::stri
   const bool is_right = message.topic == topic_of(Channel::right_calibration);
   const bool is_mount = message.topic == topic_of(Channel::camera_transform);
   if ((!is_left || has_left_) && (!is_right || has_right_) && (!is_mount || has_mount_)) return;
+  has_unreadable_mount_ |= is_mount;  // until it was read
   try {
     const Json json = Json::parse(message.data);
     if (is_mount) {
       camera_.mount = mount_of(json);
       has_mount_ = true;
+      has_unreadable_mount_ = false;
       return;
     }
     const auto projection = json.at("P").get<std::vector<double>>();
@@ -78,8 +80,9 @@ flies::Calibration OwnCalibration::calibration(const CameraArguments& arguments,
   calibration.format = "recording";
   calibration.has_height = calibration.has_pitch = has_mount_;
   if (!has_mount_)
-    calibration.notes.push_back(
-        {"does not say where the camera sits; the default mount is assumed", flies::CalibrationNoteKind::mount});
+    calibration.notes.push_back({fmt::format("{} where the camera sits; the default mount is assumed",
+                                             has_unreadable_mount_ ? "is damaged where it says" : "does not say"),
+                                 flies::CalibrationNoteKind::mount});
   if (arguments.baseline_m) flies::detail::override_baseline(*arguments.baseline_m, path, calibration);
   auto& mount = calibration.camera.mount;
   if (arguments.height_m) mount.height_m = *arguments.height_m;

@@ -26,5 +26,5 @@ class OwnCalibration {
 
  private:
   flies::StereoCamera camera_;
-  bool has_left_ = false, has_right_ = false, has_mount_ = false;
+  bool has_left_ = false, has_right_ = false, has_mount_ = false, has_unreadable_mount_ = false;
 };

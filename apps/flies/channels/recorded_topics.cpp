@@ -12,6 +12,7 @@ constexpr std::string_view kCompressed = "/compressed";
 constexpr std::string_view kRight = "right", kLeft = "left";
 
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_capital(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
 
 std::string in_small_letters(std::string text) {
@@ -61,6 +62,20 @@ std::optional<std::string> left_of(const std::string& topic, const std::vector<s
   return std::nullopt;
 }
 
+/// The topic with a number one lower, of those that there are.
+std::optional<std::string> one_below(const std::string& topic, const std::vector<std::string>& topics) {
+  for (std::size_t begin = 0, end = 0; begin < topic.size(); begin = end + 1) {
+    for (end = begin; end < topic.size() && is_digit(topic[end]); ++end) continue;
+    std::string lower = topic;
+    std::size_t at = end;
+    while (at > begin && lower[at - 1] == '0') lower[--at] = '9';  // 10 becomes 09, as of numbers of equal length
+    if (at == begin) continue;                                     // no digit, or zeros alone
+    --lower[at - 1];
+    if (std::ranges::find(topics, lower) != topics.end()) return lower;
+  }
+  return std::nullopt;
+}
+
 /// How far from what is wanted the pictures of a topic are.
 auto rank(const std::string& topic) { return std::pair(!is_called_rectified(topic), topic.ends_with(kCompressed)); }
 
@@ -81,18 +96,20 @@ std::string camera_info_topic(std::string pictures) {
 
 bool is_called_rectified(const std::string& pictures) { return pictures.find("image_rect") != std::string::npos; }
 
-std::optional<std::array<std::string, 2>> stereo_topics(const std::vector<std::string>& topics) {
-  std::vector<std::array<std::string, 2>> found;
+std::optional<StereoTopics> stereo_topics(const std::vector<std::string>& topics) {
+  std::vector<StereoTopics> found;
   for (const auto& topic : topics)
-    if (const auto left = left_of(topic, topics)) found.push_back({*left, topic});
+    if (const auto left = left_of(topic, topics)) found.push_back({*left, topic, false});
+  if (found.empty())
+    for (const auto& topic : topics)
+      if (const auto left = one_below(topic, topics)) found.push_back({*left, topic, true});
   if (found.empty()) return std::nullopt;
-  const auto right_of = [](const std::array<std::string, 2>& pair) -> const std::string& { return pair[1]; };
-  const auto least = [](const std::string& topic) {
-    return std::tuple(rank(topic), rank_in_camera(topic), topic.size(), topic);
+  const auto least = [](const StereoTopics& pair) {
+    return std::tuple(rank(pair.right), rank_in_camera(pair.right), pair.right.size(), pair.right);
   };
-  const auto best = *std::ranges::min_element(found, {}, [&](const auto& pair) { return least(right_of(pair)); });
-  const bool is_clear = std::ranges::all_of(found, [&](const auto& pair) {
-    return rank(pair[1]) != rank(best[1]) || camera_info_topic(pair[1]) == camera_info_topic(best[1]);
+  const auto best = *std::ranges::min_element(found, {}, least);
+  const bool is_clear = std::ranges::all_of(found, [&](const StereoTopics& pair) {
+    return rank(pair.right) != rank(best.right) || camera_info_topic(pair.right) == camera_info_topic(best.right);
   });
   return is_clear ? std::optional(best) : std::nullopt;
 }

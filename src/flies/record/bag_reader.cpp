@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/record/byte_taker.hpp"
@@ -110,11 +111,15 @@ std::string BagReader::unpacked(const Record& record) const {
 }
 
 /// The connection of a message. Where the chunk that says it is damaged, the end of the file says it again.
-const BagReader::Connection& BagReader::connection(std::uint64_t id) {
+/// @returns nothing when it does not, either
+/// @throws InputError the first time
+const BagReader::Connection* BagReader::connection(std::uint64_t id) {
   if (!connections_.contains(id) && !has_read_index_) read_index();
   const auto found = connections_.find(id);
-  if (found == connections_.end()) complain("a message is of no connection");
-  return found->second;
+  if (found != connections_.end()) return &found->second;
+  if (!std::exchange(has_told_unknown_connections_, true))
+    complain("there are messages of connections that it does not describe");
+  return nullptr;
 }
 
 void BagReader::read_index() {
@@ -145,10 +150,11 @@ std::optional<RecordedMessage> BagReader::take(const Record& record, const Messa
       if (!take_connection(record)) complain("a connection is damaged");
       break;
     case kMessage: {
-      const Connection& own = connection(record.number("conn"));
+      const Connection* own = connection(record.number("conn"));
+      if (own == nullptr) break;
       const std::uint64_t time = record.number("time");
       const std::uint64_t time_ns = (time & 0xFFFFFFFFU) * 1'000'000'000U + (time >> 32);
-      return RecordedMessage{own.topic, own.type, "ros1", time_ns, record.data, place};
+      return RecordedMessage{own->topic, own->type, "ros1", time_ns, record.data, place};
     }
     case kChunk:
       chunk_ = {place.record, unpacked(record), 0};

@@ -44,7 +44,7 @@ class BagReader final : public RecordingReader {
   std::optional<Record> next_in_chunk(Chunk& chunk) const;
   std::optional<RecordedMessage> take(const Record& record, const MessagePlace& place);
   bool take_connection(const Record& record);
-  const Connection& connection(std::uint64_t id);
+  const Connection* connection(std::uint64_t id);
   void read_index();
   std::string unpacked(const Record& chunk) const;
   [[noreturn]] void complain(const std::string& what) const;
@@ -55,7 +55,7 @@ class BagReader final : public RecordingReader {
   Chunk chunk_, chunk_at_;                 ///< of `next` and of `at`
   std::map<std::uint64_t, Connection> connections_;
   std::uint64_t index_ = 0;  ///< where the connections stand again; 0: the recorder did not come to its end
-  bool is_whole_ = false, has_read_index_ = false;
+  bool is_whole_ = false, has_read_index_ = false, has_told_unknown_connections_ = false;
 };
 
 }  // namespace flies

@@ -107,7 +107,7 @@ TEST(Bag, FaultsAreTold) {
       [&] {
         read(BagBytes::start() + BagBytes::message({9, 0, "x"}));
       },
-      ThrowsMessage<InputError>(HasSubstr("a message is of no connection")));
+      ThrowsMessage<InputError>(HasSubstr("messages of connections that it does not describe")));
 }
 
 /// Messages that are read, and faults that were passed over.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/io/crc32.hpp"
@@ -77,12 +78,15 @@ std::string McapReader::schema_name(const Channel& channel) const {
 }
 
 /// The channel of a message. Where the chunk that says it or its schema is damaged, the end of the file says it again.
-const McapReader::Channel& McapReader::channel(std::uint16_t id) {
+/// @returns nothing when it does not, either
+/// @throws InputError the first time
+const McapReader::Channel* McapReader::channel(std::uint16_t id) {
   const auto known = channels_.find(id);
   if (!has_summary_ && (known == channels_.end() || !knows_schema_of(known->second))) read_summary();
   const auto found = channels_.find(id);
-  if (found == channels_.end()) complain("a message is of no channel");
-  return found->second;
+  if (found != channels_.end()) return &found->second;
+  if (!std::exchange(has_told_unknown_channels_, true)) complain("there are messages of channels that it does not describe");
+  return nullptr;
 }
 
 /// The channels that the end of the file says, if it has one: the footer tells where.
@@ -146,8 +150,9 @@ std::optional<RecordedMessage> McapReader::take(const Record& record, const Mess
       const std::uint64_t time_ns = taker.number(8);
       taker.number(8);
       if (!taker.is_good) complain("a message is damaged");
-      const Channel& own = channel(id);
-      return RecordedMessage{own.topic, schema_name(own), own.encoding, time_ns, std::string(taker.rest()), place};
+      const Channel* own = channel(id);
+      if (own == nullptr) break;
+      return RecordedMessage{own->topic, schema_name(*own), own->encoding, time_ns, std::string(taker.rest()), place};
     }
     case Opcode::chunk:
       chunk_ = {place.record, unpacked(record.content), 0};

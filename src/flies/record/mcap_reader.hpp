@@ -44,7 +44,7 @@ class McapReader final : public RecordingReader {
   std::optional<RecordedMessage> take(const Record& record, const MessagePlace& place);
   bool take_schema(const Record& record);
   bool take_channel(const Record& record);
-  const Channel& channel(std::uint16_t id);
+  const Channel* channel(std::uint16_t id);
   bool knows_schema_of(const Channel& channel) const;
   std::string schema_name(const Channel& channel) const;
   void read_summary();
@@ -57,7 +57,7 @@ class McapReader final : public RecordingReader {
   Chunk chunk_, chunk_at_;                 ///< of `next` and of `at`
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, Channel> channels_;
-  bool is_whole_ = false, has_ended_ = false, has_summary_ = false;
+  bool is_whole_ = false, has_ended_ = false, has_summary_ = false, has_told_unknown_channels_ = false;
 };
 
 }  // namespace flies
