@@ -106,10 +106,18 @@ TEST_F(LiveCommand, FollowsAFilmOfBothPictures) {
 TEST_F(LiveCommand, TellsPairsThatAreSwappedInTheMiddleOfARun) {
   cv::imwrite((folder.path() / "left" / "2.png").string(), street_pair().right);
   cv::imwrite((folder.path() / "right" / "2.png").string(), street_pair().left);
-  const RunResult result = run({"left", "right", "--rate", "20", "--calib", "calib.txt", "--every-pair"});
+  const RunResult result =
+      run({"left", "right", "--rate", "20", "--calib", "calib.txt", "--every-pair", "--json", "-"});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr("left/2.png: left and right seem to be swapped"));
   EXPECT_THAT(result.err, HasSubstr("1 of 3 pairs: left and right swapped; the first: left/2.png"));
+  EXPECT_THAT(result.err, HasSubstr("2 pairs"));
+  EXPECT_THAT(result.err, HasSubstr("0 dropped; no pairs: 1"));
+  ASSERT_THAT(lines(result.out), SizeIs(3));
+  const json passed_over = json::parse(lines(result.out)[2]);
+  EXPECT_EQ(passed_over.at("frame"), 2);
+  EXPECT_THAT(passed_over.at("error").get<std::string>(), HasSubstr("left and right seem to be swapped"));
+  EXPECT_TRUE(passed_over.at("obstacles").empty());
 }
 
 TEST_F(LiveCommand, IsMadeOfWhatTrackIsMadeOf) {

@@ -267,11 +267,34 @@ TEST_F(TrackCommand, TellsWhatGoesWrongInTheMiddleOfARun) {
   cv::imwrite((folder.path() / "left" / "2.png").string(), street_pair().right);
   cv::imwrite((folder.path() / "right" / "2.png").string(), street_pair().left);
   const RunResult result = run({"--calib", "calib.txt", "--rate", "20", "--json", "-"});
-  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.status, 2) << "of the swapped pair";
   EXPECT_THAT(result.err, HasSubstr("left/1.png: there is nothing to match in the left image"));
   EXPECT_THAT(result.err, HasSubstr("1 of 3 pairs: nothing to match in the left image; the first: left/1.png"));
   EXPECT_THAT(result.err, HasSubstr("left/1.png: the right image is that of the pair before"));
   EXPECT_THAT(result.err, HasSubstr("1 of 3 pairs: left and right swapped; the first: left/2.png"));
+}
+
+TEST_F(TrackCommand, PassesOverPairsThatAreNone) {
+  const fs::path left = folder.path() / "left", right = folder.path() / "right";
+  cv::imwrite((left / "1.png").string(), street_pair().right);
+  cv::imwrite((right / "1.png").string(), street_pair().left);
+  const auto records = [&](const char* fault) {
+    const RunResult result = run({"--calib", "calib.txt", "--rate", "20", "--json", "-"});
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(lines(result.err).back(), HasSubstr("1 of 3 pairs: could not be used, the others were"));
+    EXPECT_EQ(lines(result.out).size(), 3U);
+    const json passed_over = json::parse(lines(result.out).at(1));
+    EXPECT_THAT(passed_over.at("error").get<std::string>(), HasSubstr(fault));
+    EXPECT_TRUE(passed_over.at("obstacles").empty());
+    EXPECT_TRUE(passed_over.at("tracks").empty());
+    const json after = json::parse(lines(result.out).at(2));
+    EXPECT_FALSE(after.at("obstacles").empty());
+    EXPECT_TRUE(after.at("ego").at("is_known").get<bool>()) << "since the pair before";
+  };
+  records("left and right seem to be swapped");
+  cv::imwrite((left / "1.png").string(), street_pair().left);
+  cv::imwrite((right / "1.png").string(), unrelated_picture());
+  records("not a pair with left/1.png");
 }
 
 TEST(TrackADrawnSequence, FollowsAndMeasuresIt) {

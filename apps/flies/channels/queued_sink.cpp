@@ -54,7 +54,10 @@ void QueuedSink::work() {
     lock.unlock();
     changed_.notify_all();
     try {
-      sink_.take(frame);
+      if (frame.snapshot->error.empty())
+        sink_.take(frame);
+      else
+        sink_.pass_over(frame);
     } catch (...) {
       lock.lock();
       failure_ = std::current_exception();

@@ -33,6 +33,7 @@ class QueuedSink final : public LiveSink {
 
   /// @throws whatever the other sink threw
   void take(const LiveFrame& frame) override;
+  void pass_over(const LiveFrame& frame) override { take(frame); }
   void note(const std::string& sentence) override { sink_.note(sentence); }
 
   /// Waits until the other sink has taken everything. @throws whatever it threw

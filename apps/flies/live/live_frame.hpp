@@ -65,5 +65,7 @@ class LiveSink {
  public:
   virtual ~LiveSink() = default;
   virtual void take(const LiveFrame& frame) = 0;
+  /// A pair that is not worked on: `snapshot->error` says why, and of the rest only its time is known.
+  virtual void pass_over(const LiveFrame& /*frame*/) {}
   virtual void note(const std::string& /*sentence*/) {}
 };

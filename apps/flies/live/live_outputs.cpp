@@ -46,6 +46,10 @@ void JsonSink::take(const LiveFrame& frame) {
   file_->write(json_line(frame));
 }
 
+void JsonSink::pass_over(const LiveFrame& frame) {
+  if (file_) file_->write(track_json_line(tracked_frame(frame), frame.snapshot->error));
+}
+
 void TableSink::take(const LiveFrame& frame) {
   print(track_table(tracked_frame(frame)));
   flush_standard_output();

@@ -28,6 +28,7 @@ class JsonSink final : public LiveSink {
   explicit JsonSink(std::string path) : path_(std::move(path)) {}
   /// @throws flies::InputError as `LineFile`
   void take(const LiveFrame& frame) override;
+  void pass_over(const LiveFrame& frame) override;
 
  private:
   std::string path_;

@@ -138,7 +138,7 @@ bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
   {
     const std::lock_guard lock(mutex_);
     options_changed_ = false;
-    worker_ = new_worker(options_, preset_, following_, next_number_);
+    worker_ = new_worker(options_, preset_, following_, submitted_);
   }
   say_run(*worker_->record);
   return true;
@@ -201,7 +201,7 @@ std::vector<std::string> LiveRun::fit_options() {
 std::shared_ptr<const LiveRun::Worker> LiveRun::new_worker(const flies::DetectorOptions& options,
                                                            const std::string& preset,
                                                            const flies::TrackerOptions& following,
-                                                           std::uint64_t first_number) const {
+                                                           std::uint64_t submitted_before) const {
   const auto& camera = calibration_->camera;
   auto worker = std::make_shared<Worker>();
   worker->engine = std::make_unique<flies::Engine>(camera, options, following, request_.classifier);
@@ -216,7 +216,7 @@ std::shared_ptr<const LiveRun::Worker> LiveRun::new_worker(const flies::Detector
   worker->camera = camera;
   if (auto record = diagnosis_.record())
     worker->diagnosis = std::make_shared<const flies::DiagnosisRecord>(*std::move(record));
-  worker->first_number = first_number;
+  worker->submitted_before = submitted_before;
   return worker;
 }
 
@@ -234,23 +234,43 @@ std::shared_ptr<LivePair> LiveRun::prepare(flies::StereoFrame frame) {
   return pair;
 }
 
-void LiveRun::renew_worker_if_asked(std::uint64_t next_number) {
+void LiveRun::renew_worker_if_asked() {
   std::unique_lock lock(mutex_);
   if (!std::exchange(options_changed_, false)) return;
   const auto options = options_;
   const auto preset = preset_;
   const auto following = following_;
   lock.unlock();
-  auto worker = new_worker(options, preset, following, next_number);
+  auto worker = new_worker(options, preset, following, submitted_);
   lock.lock();
   std::swap(worker_, worker);
   handed_on_ = 0;
   lock.unlock();  // the old engine ends outside of the lock
 }
 
+/// Looks at a pair and tells what is met for the first time.
+/// @returns why nothing is to be looked for in it; empty where it is a pair
+std::string LiveRun::fault_of(const LivePair& pair) {
+  const flies::RectifiedPair images = pair.images.view();
+  const auto& camera = calibration_->camera;
+  for (const auto& note : watch_.look(images, camera, pair.left_name, nearest_range_m(options()))) say(note);
+  if (!watch_.is_no_pair()) return {};
+  try {
+    flies::check_true_pair(images, camera, pair.left_name, pair.right_name);
+  } catch (const flies::InputError& fault) {
+    return fault.what();
+  }
+  return {};
+}
+
 /// @param is_awaited no pair may overtake this one
 void LiveRun::submit(std::shared_ptr<LivePair> pair, bool is_awaited) {
-  renew_worker_if_asked(pair->number);
+  renew_worker_if_asked();
+  if (auto fault = fault_of(*pair); !fault.empty()) {
+    const std::lock_guard lock(mutex_);
+    passed_over_.push_back({std::move(pair), std::move(fault)});
+    return;
+  }
   std::shared_ptr<const Worker> worker;
   std::uint64_t before = 0;
   {
@@ -261,10 +281,7 @@ void LiveRun::submit(std::shared_ptr<LivePair> pair, bool is_awaited) {
     if (recent_.size() > kRecentPairs) recent_.erase(recent_.begin());
   }
   worker->engine->submit(pair->images.view(), pair->time_s);
-  // While the engine works.
-  for (const auto& note :
-       watch_.look(pair->images.view(), calibration_->camera, pair->left_name, nearest_range_m(*worker->options)))
-    say(note);
+  ++submitted_;
   if (!is_awaited) return;
   std::unique_lock lock(mutex_);
   while (handed_on_ <= before && !failure_ && !is_end_requested()) changed_.wait_for(lock, 100ms);

@@ -68,26 +68,36 @@ class LiveRun {
     std::shared_ptr<const flies::RunRecord> record;
     flies::StereoCamera camera;
     std::shared_ptr<const flies::DiagnosisRecord> diagnosis;
-    std::uint64_t first_number = 0;  ///< of its pairs
+    std::uint64_t submitted_before = 0;  ///< pairs, to the workers before
+  };
+
+  /// A pair that no worker gets, and why.
+  struct PassedOver {
+    std::shared_ptr<const LivePair> pair;
+    std::string fault;
   };
 
   void say(const std::string& sentence);
   flies::PairStreamCounts counted() const;
   bool wait_for_pair(flies::StereoFrame& frame);
   std::shared_ptr<const Worker> new_worker(const flies::DetectorOptions& options, const std::string& preset,
-                                           const flies::TrackerOptions& following, std::uint64_t first_number) const;
+                                           const flies::TrackerOptions& following,
+                                           std::uint64_t submitted_before) const;
   std::vector<std::string> fit_options();
   void diagnose_later(const flies::GrayPair& images, double time_s);
   void take_up(LaterDiagnosis::Finding found);
   bool begin(std::vector<flies::StereoFrame>& first);
   void calibrate(const flies::StereoFrame& frame);
   std::shared_ptr<LivePair> prepare(flies::StereoFrame frame);
+  std::string fault_of(const LivePair& pair);
   void submit(std::shared_ptr<LivePair> pair, bool is_awaited);
-  void renew_worker_if_asked(std::uint64_t next_number);
+  void renew_worker_if_asked();
   void hand_on();
   std::shared_ptr<const Worker> worker_unless_ending();
   void go_on_with(std::shared_ptr<const Worker> worker);
   void hand_on_results();
+  void hand_on_passed_over(std::uint64_t before);
+  LiveFrame frame_of(std::shared_ptr<const LivePair> pair, std::shared_ptr<const flies::Snapshot> snapshot) const;
   std::shared_ptr<const flies::Snapshot> continued(const std::shared_ptr<const flies::Snapshot>& snapshot) const;
   std::shared_ptr<const LivePair> pair_at(double time_s);
   void rethrow_failure();
@@ -101,6 +111,7 @@ class LiveRun {
   std::optional<LaterDiagnosis> later_;  ///< where the first pairs left something to be found
   flies::PairWatch watch_;
   std::uint64_t next_number_ = 0;
+  std::uint64_t submitted_ = 0;            ///< pairs, to all workers
   std::uint64_t passed_while_paused_ = 0;  ///< pictures
   std::uint64_t began_ns_ = 0;
 
@@ -115,6 +126,7 @@ class LiveRun {
   bool is_paused_ = false, is_ending_ = false;
   int steps_ = 0;
   std::vector<std::shared_ptr<const LivePair>> recent_;  ///< the newest last
+  std::vector<PassedOver> passed_over_;                  ///< not handed on yet, the newest last
   std::uint64_t handed_on_ = 0;                          ///< results of the present worker
   flies::PairStreamCounts source_counts_;
   std::exception_ptr failure_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -31,7 +32,7 @@ std::shared_ptr<const LiveRun::Worker> LiveRun::worker_unless_ending() {
 }
 
 void LiveRun::go_on_with(std::shared_ptr<const Worker> worker) {
-  dropped_before_ = worker->first_number - results_;
+  dropped_before_ = worker->submitted_before - results_;
   ids_before_ = highest_id_;
   last_result_ = 0;
   handing_worker_ = std::move(worker);
@@ -46,9 +47,44 @@ std::shared_ptr<const flies::Snapshot> LiveRun::continued(
   return result;
 }
 
+LiveFrame LiveRun::frame_of(std::shared_ptr<const LivePair> pair,
+                            std::shared_ptr<const flies::Snapshot> snapshot) const {
+  const std::uint64_t dropped = dropped_before_ + overtaken_ + snapshot->dropped;
+  return {.pair = std::move(pair),
+          .snapshot = std::move(snapshot),
+          .camera = handing_worker_->camera,
+          .pose = pose_,
+          .dropped = dropped,
+          .options = handing_worker_->options,
+          .following = handing_worker_->following,
+          .preset = handing_worker_->preset,
+          .run = handing_worker_->record,
+          .diagnosis = handing_worker_->diagnosis,
+          .began_ns = began_ns_};
+}
+
+/// Pairs that no worker got and whose number is below this one, so that numbers grow.
+void LiveRun::hand_on_passed_over(std::uint64_t before) {
+  std::vector<PassedOver> passed_over;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto end = std::ranges::find_if(passed_over_, [&](const auto& one) { return one.pair->number >= before; });
+    passed_over.assign(passed_over_.begin(), end);
+    passed_over_.erase(passed_over_.begin(), end);
+  }
+  for (const auto& [pair, fault] : passed_over) {
+    auto snapshot = std::make_shared<flies::Snapshot>();
+    snapshot->tracking.time_s = pair->time_s;
+    snapshot->dropped = handing_worker_->engine->snapshot()->dropped;
+    snapshot->error = fault;
+    const LiveFrame frame = frame_of(pair, std::move(snapshot));
+    for (LiveSink* sink : sinks_) sink->pass_over(frame);
+  }
+}
+
 void LiveRun::hand_on_results() {
   const auto result = handing_worker_->engine->wait_for_next(last_result_, 50ms);
-  if (result->number == last_result_) return;
+  if (result->number == last_result_) return hand_on_passed_over(std::numeric_limits<std::uint64_t>::max());
   overtaken_ += result->number - last_result_ - 1;
   const auto snapshot = continued(result);
   results_ += snapshot->number - last_result_;
@@ -58,17 +94,8 @@ void LiveRun::hand_on_results() {
   if (pair && snapshot->error.empty()) {
     pose_ = moved(pose_, snapshot->tracking.ego);
     for (const auto& track : snapshot->tracking.tracks) highest_id_ = std::max(highest_id_, track.id);
-    const LiveFrame frame{.pair = pair,
-                          .snapshot = snapshot,
-                          .camera = handing_worker_->camera,
-                          .pose = pose_,
-                          .dropped = dropped_before_ + overtaken_ + snapshot->dropped,
-                          .options = handing_worker_->options,
-                          .following = handing_worker_->following,
-                          .preset = handing_worker_->preset,
-                          .run = handing_worker_->record,
-                          .diagnosis = handing_worker_->diagnosis,
-                          .began_ns = began_ns_};
+    hand_on_passed_over(pair->number);
+    const LiveFrame frame = frame_of(pair, snapshot);
     for (LiveSink* sink : sinks_) sink->take(frame);
   }
   const std::lock_guard lock(mutex_);
@@ -84,6 +111,7 @@ void LiveRun::hand_on() {
       if (worker != handing_worker_) go_on_with(std::move(worker));
       hand_on_results();
     }
+    if (handing_worker_) hand_on_passed_over(std::numeric_limits<std::uint64_t>::max());
   } catch (...) {
     const std::lock_guard lock(mutex_);
     failure_ = std::current_exception();

@@ -25,10 +25,14 @@ void LiveStatus::take(const LiveFrame& frame) {
   newest_ = now;
   latencies_.add(frame.snapshot->latency_ms);
   last_number_ = frame.pair->number;
-  dropped_ = last_number_ - first_number_ + 1 - pairs_;
+  dropped_ = last_number_ - first_number_ + 1 - pairs_ - passed_over_;
   if (!is_visible_ || std::chrono::duration<double>(now - shown_).count() < kShowEvery_s) return;
   shown_ = now;
   std::fprintf(stderr, "\r\033[K%s", text().c_str());
+}
+
+void LiveStatus::pass_over(const LiveFrame& /*frame*/) {
+  if (pairs_ > 0) ++passed_over_;
 }
 
 std::string LiveStatus::text() const {
@@ -45,6 +49,7 @@ void LiveStatus::finish(const flies::PairStreamCounts& source) const {
   const auto add = [&](std::uint64_t count, const char* what) {
     if (count > 0) line += fmt::format("; {}: {}", what, count);
   };
+  add(passed_over_, "no pairs");
   add(source.broken, "broken pictures");
   add(source.skipped, "pictures overtaken unread");
   add(source.unpaired, "pictures without a partner");

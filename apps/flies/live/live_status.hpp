@@ -14,6 +14,7 @@ class LiveStatus final : public LiveSink {
   /// @param is_line_wanted false: only the one at the end
   explicit LiveStatus(bool is_line_wanted);
   void take(const LiveFrame& frame) override;
+  void pass_over(const LiveFrame& frame) override;
 
   /// The last line, with what the source lost.
   void finish(const flies::PairStreamCounts& source) const;
@@ -25,4 +26,5 @@ class LiveStatus final : public LiveSink {
   std::chrono::steady_clock::time_point start_, shown_, newest_;  ///< newest_: of the last pair
   Latencies latencies_;
   std::uint64_t pairs_ = 0, dropped_ = 0, first_number_ = 0, last_number_ = 0;
+  std::uint64_t passed_over_ = 0;
 };

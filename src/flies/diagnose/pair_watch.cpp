@@ -116,6 +116,7 @@ std::vector<std::string> PairWatch::look(const RectifiedPair& pair, const Stereo
       found.push_back(fmt::format("{}: {}", name, kWords[static_cast<std::size_t>(trouble)].first));
   };
   ++pairs_;
+  is_no_pair_ = false;
   const std::array sums{sum_of_rows(pair.left), sum_of_rows(pair.right)};
   const bool left_repeats = last_ && (*last_)[0] == sums[0], right_repeats = last_ && (*last_)[1] == sums[1];
   last_ = sums;
@@ -128,7 +129,8 @@ std::vector<std::string> PairWatch::look(const RectifiedPair& pair, const Stereo
     tell(left_repeats ? PairTrouble::left_repeats : PairTrouble::right_repeats);
   if (left_blank || right_blank) return found;  // nothing to compare
   const PairOrder order = order_of_pair(pair, camera);
-  if (order != PairOrder::good)
+  is_no_pair_ = order != PairOrder::good;
+  if (is_no_pair_)
     tell(order == PairOrder::swapped ? PairTrouble::swapped : PairTrouble::unrelated);
   else if (shows_near_things(pair, camera, nearest_m))
     tell(PairTrouble::too_near);

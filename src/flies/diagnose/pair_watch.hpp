@@ -40,6 +40,10 @@ class PairWatch {
   std::vector<std::string> look(const RectifiedPair& pair, const StereoCamera& camera, const std::string& name,
                                 double nearest_m = 0.0);
 
+  /// Whether the pair that was looked at last is surely none: swapped, or of other scenes or moments. `check_true_pair`
+  /// refuses it and says more; what is found in it stands nowhere.
+  bool is_no_pair() const { return is_no_pair_; }
+
   /// A sentence for each kind of trouble with the pairs that have it and the first of them; empty when all are well.
   std::vector<std::string> counts() const;
 
@@ -52,6 +56,7 @@ class PairWatch {
 
   std::array<Met, kPairTroubles> met_{};
   std::uint64_t pairs_ = 0;
+  bool is_no_pair_ = false;
   std::optional<std::array<std::uint64_t, 2>> last_;  ///< sums of the pair before
 };
 
