@@ -75,6 +75,17 @@ TEST_F(Check, SaysThatAGoodPairLooksRight) {
   EXPECT_GT(record.at("matched_share").get<double>(), 0.32);
 }
 
+TEST_F(Check, SaysOfASinglePairThatItIsSwappedAndNoMore) {
+  cv::imwrite((folder.path() / "left.png").string(), street_pair().right);
+  cv::imwrite((folder.path() / "right.png").string(), street_pair().left);
+  const std::string out = check("right.png").out;
+  EXPECT_THAT(out, HasSubstr("to check:\n  - left.png: left and right seem to be swapped (with right.png)"));
+  for (const char* follows : {"check cx", "--camera-height", "are found on their row"})
+    EXPECT_THAT(out, Not(HasSubstr(follows)));
+  write_image(folder.path() / "right.png", unrelated_picture());
+  EXPECT_THAT(check("right.png").out, HasSubstr("to check:\n  - right.png: not a pair with left.png"));
+}
+
 TEST_F(Check, SaysByHowMuchRowsLieApart) {
   write_low_right();
   const RunResult result = check("low.png");

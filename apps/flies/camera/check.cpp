@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/pair_check.hpp"
 #include "flies/diagnose/pair_diagnosis.hpp"
 #include "flies/diagnose/pair_watch.hpp"
 #include "flies/draw/row_picture.hpp"
@@ -41,16 +42,25 @@ struct Checked {
   const flies::MountFinding& mount() const { return run.diagnosis.mount; }
 };
 
-/// What is wrong with some pairs of a run, those that cannot be used included; of a single one, whether it shows things
-/// that are too near.
+/// Why a single pair is refused, as `detect` has it, or else whether it shows things that are too near.
+std::vector<std::string> notes_on_single(const CalibratedRun& run, double nearest_m) {
+  const auto& [left, right] = run.first();
+  const flies::GrayPair images = run.usable(run.sample.front());
+  try {
+    flies::check_true_pair(images.view(), run.calibration.camera, left, right);
+  } catch (const flies::InputError& fault) {
+    return {fault.what()};
+  }
+  const auto near = flies::note_on_near_things(images.view(), run.calibration.camera, nearest_m);
+  return near ? std::vector{*near} : std::vector<std::string>{};
+}
+
+/// What is wrong with some pairs of a run, those that cannot be used included.
 std::vector<std::string> notes_on_each(const CalibratedRun& run) {
   const auto& camera = run.calibration.camera;
   const double nearest_m = nearest_range_m(flies::fitted_options(camera, {}));
   const std::size_t count = std::min(kMostPairs, run.paths.size());
-  if (count < 2) {
-    const auto near = flies::note_on_near_things(run.usable(run.sample.front()).view(), camera, nearest_m);
-    return near ? std::vector{*near} : std::vector<std::string>{};
-  }
+  if (count < 2) return notes_on_single(run, nearest_m);
   flies::PairWatch watch;
   std::vector<std::string> faults;
   for (std::size_t k = 0; k < count; ++k) {
@@ -92,8 +102,8 @@ Checked check(const CheckArguments& arguments) {
   };
   add(checked.to_check, on_calibration(flies::CalibrationNoteKind::doubt));
   add(checked.to_check, matched.notes);
+  add(checked.to_check, notes_on_each(checked.run));  // which explain the rest
   add(checked.to_check, checked.run.diagnosis.notes);
-  add(checked.to_check, notes_on_each(checked.run));
   add(checked.notes, on_calibration(flies::CalibrationNoteKind::mount));
   add(checked.notes, on_calibration(flies::CalibrationNoteKind::told));
   if (!arguments.picture.empty()) {

@@ -23,6 +23,9 @@ constexpr double kFewMatched = 0.2;
 /// Told; and so many that nothing else can be concluded. In good pairs 0.027 at most, one or two places.
 constexpr double kSomeBeyond = 0.03, kManyBeyond = 0.15;
 constexpr int kMinSomeBeyond = 3, kMinBeyond = 8;
+/// So many that left and right are swapped.
+constexpr double kSwappedShare = 0.8;
+constexpr int kMinSwapped = 12;
 /// Of the places found, those at infinity in one picture taken twice; streets show something nearer.
 constexpr double kFlat = 0.98;
 constexpr int kMinFlat = 30;
@@ -59,22 +62,112 @@ double spread_px(const std::vector<RowError>& rows) {
   return spread_px;
 }
 
-std::string told_growth(const RowError& rows) {
+/// Of the patches, those found on their row, beyond infinity too.
+double found_share(const PairDiagnosis& d) {
+  return d.matched_share() + d.evidence.beyond / std::max(1.0, 1.0 * d.evidence.patches);
+}
+
+bool has_many_beyond(const PairDiagnosis& d) {
+  return d.evidence.beyond >= kMinBeyond && d.beyond_share() > kManyBeyond;
+}
+
+/// Few are before infinity, and not because many are found beyond it.
+bool has_few_matched(const PairDiagnosis& d) {
+  const bool are_beyond = has_many_beyond(d) && found_share(d) >= kFewMatched;
+  return d.evidence.patches >= kMinPatches && d.matched_share() < kFewMatched && !are_beyond;
+}
+
+/// No principal point is so wrong that most of a scene is beyond infinity.
+bool is_swapped(const PairDiagnosis& d) {
+  return !has_few_matched(d) && d.evidence.beyond >= kMinSwapped && d.beyond_share() > kSwappedShare;
+}
+
+/// That no road is found follows from what is told already.
+bool is_explained(const PairDiagnosis& d) { return has_few_matched(d) || is_swapped(d); }
+
+/// What is told of the places that were found, of the gravest alone: from few that match at all follows where chance
+/// finds the others.
+std::optional<std::string> told_places(const PairDiagnosis& d) {
+  if (has_few_matched(d))
+    return fmt::format(
+        "only {:.0f} % of the places of the left image are found on their row of the right one (32 % and more in good "
+        "pairs): check that the calibration is of these cameras and these images (rectified or raw, R there and not "
+        "transposed), and that both were taken at the same moment (neither camera late, nor hanging)",
+        100.0 * d.matched_share());
+  if (is_swapped(d))
+    return fmt::format(
+        "{:.0f} % of the places that are found would lie beyond infinity: are left and right swapped, or both images "
+        "mirrored or turned by 180 degrees?",
+        100.0 * d.beyond_share());
+  if (d.evidence.beyond < kMinSomeBeyond || d.beyond_share() <= kSomeBeyond) return std::nullopt;
+  return fmt::format(
+      "{:.0f} % of the places that are found would lie beyond infinity: the cameras look towards each other "
+      "or a principal point is wrong, so ranges are too; check cx of both cameras, and that both images were taken "
+      "at the same moment",
+      100.0 * d.beyond_share());
+}
+
+std::string told_growth(const RowError& rows, bool is_certain) {
   const std::string lower =
       rows.typical_px() < kRowErrorMatters_px
           ? ""
           : fmt::format(", and its rows lie {:+.1f} px lower in the middle, {:+.1f} and {:+.1f} px at the sides",
                         rows.offset_px, rows.at(0.0), rows.at(2.0 * rows.middle_u_px));
+  return fmt::format("the right image is {:.1f} % {} than the left one{}: {}", 100.0 * std::abs(rows.growth),
+                     rows.growth > 0.0 ? "larger" : "smaller", lower,
+                     is_certain
+                         ? "focal lengths are not those of the calibration (a zoom, another resize of one image), so "
+                           "ranges are off, and moving rows does not mend that; calibrate again"
+                         : "which a late image, R that is transposed or left out, and a zoom of one camera all do");
+}
+
+std::string told_offset(const RowError& rows) {
   return fmt::format(
-      "the right image is {:.1f} % {} than the left one{}: focal lengths are not those of the calibration (a zoom, "
-      "another resize of one image), so ranges are off, and moving rows does not mend that; calibrate again",
-      100.0 * std::abs(rows.growth), rows.growth > 0.0 ? "larger" : "smaller", lower);
+      "rows of the right image lie {:+.1f} px lower than those of the left one in the middle, {:+.1f} and {:+.1f} px "
+      "at the sides: {}",
+      rows.offset_px, rows.at(0.0), rows.at(2.0 * rows.middle_u_px),
+      can_be_made_up_for(rows)
+          ? "the pair is not quite rectified (the rig was bent or the calibration is another's); --self-rectify on "
+            "makes up for it"
+          : "the pair is not rectified; check that the calibration is of these cameras and says whether these images "
+            "are raw or rectified");
+}
+
+std::optional<std::string> told_rows(const PairDiagnosis& d) {
+  if (!d.rows_agree())
+    return fmt::format(
+        "rows of left and right do not lie apart by the same in all pairs, but by {:.1f} px more in some than "
+        "in others, so that no correction serves all: {}",
+        d.rows_spread_px,
+        has_few_matched(d) ? "images of different moments do that, and a camera that is loose"
+                           : "was a camera knocked, is one loose, or is one late or hanging in some pairs?");
+  if (!d.rows) return std::nullopt;
+  if (d.rows->growth != 0.0) return told_growth(*d.rows, !has_few_matched(d));
+  if (d.rows->typical_px() >= kRowErrorMatters_px) return told_offset(*d.rows);
+  if (d.rows->scatter_px < kScatterMatters_px) return std::nullopt;
+  return fmt::format(
+      "rows of left and right lie apart by {:.1f} px here and there: focal lengths or distortion of one "
+      "camera are not those of the calibration",
+      d.rows->scatter_px);
 }
 
 std::string what_hides(const PairDiagnosis& d) {
   if (d.dark_share > kMuchHidden) return "the image is nearly black (a lens cap, night, too short an exposure)";
   if (d.bright_share > kMuchHidden) return "the image is nearly white (the sun, too long an exposure)";
   return "the image is nearly uniform (a lens cap, fog, a wall)";
+}
+
+void add_what_is_seen_badly(const PairDiagnosis& d, std::vector<std::string>& found) {
+  const bool is_hidden = std::max(d.dark_share, d.bright_share) > kMuchHidden;
+  if (is_hidden)
+    found.push_back(fmt::format("nothing can be seen in much of the image: {}", what_hides(d)));
+  else
+    for (auto& complaint : complaints(d.sides)) found.push_back(std::move(complaint));
+  if (d.noise.is_much() && (is_hidden || !d.sides.is_noisy_on_one_side()))
+    found.push_back(fmt::format(
+        "the images are noisy: pixels vary by {:.1f} grey levels at random and by {:.1f} with the scene, so "
+        "things are missed; more light, a longer exposure or less gain help",
+        d.noise.noise_gray, d.noise.contrast_gray));
 }
 
 }  // namespace
@@ -97,8 +190,7 @@ bool PairDiagnosis::is_flat() const {
 
 bool PairDiagnosis::can_be_trusted() const {
   const bool is_found = evidence.patches < kMinPatches || matched_share() >= kFewMatched;
-  const bool is_before_infinity = evidence.beyond < kMinBeyond || beyond_share() <= kManyBeyond;
-  return textured_share >= kNothingTextured && !is_flat() && is_found && is_before_infinity;
+  return textured_share >= kNothingTextured && !is_flat() && is_found && !has_many_beyond(*this);
 }
 
 PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camera, const RoadOptions& road) {
@@ -169,59 +261,20 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
         "everything that far away?");
     return found;
   }
-  const bool is_hidden = std::max(d.dark_share, d.bright_share) > kMuchHidden;
-  if (is_hidden)
-    found.push_back(fmt::format("nothing can be seen in much of the image: {}", what_hides(d)));
-  else
-    for (auto& complaint : complaints(d.sides)) found.push_back(std::move(complaint));
-  if (d.noise.is_much() && (is_hidden || !d.sides.is_noisy_on_one_side()))
-    found.push_back(fmt::format(
-        "the images are noisy: pixels vary by {:.1f} grey levels at random and by {:.1f} with the scene, so "
-        "things are missed; more light, a longer exposure or less gain help",
-        d.noise.noise_gray, d.noise.contrast_gray));
-  const double row_error_px = d.rows ? d.rows->typical_px() : 0.0;
-  if (!d.rows_agree())
-    found.push_back(fmt::format(
-        "rows of left and right do not lie apart by the same in all pairs, but by {:.1f} px more in some than "
-        "in others, so that no correction serves all: was a camera knocked, or is one loose?",
-        d.rows_spread_px));
-  else if (d.rows && d.rows->growth != 0.0)
-    found.push_back(told_growth(*d.rows));
-  else if (row_error_px >= kRowErrorMatters_px)
-    found.push_back(fmt::format(
-        "rows of the right image lie {:+.1f} px lower than those of the left one in the middle, {:+.1f} and {:+.1f} px "
-        "at "
-        "the sides: {}",
-        d.rows->offset_px, d.rows->at(0.0), d.rows->at(2.0 * d.rows->middle_u_px),
-        can_be_made_up_for(*d.rows)
-            ? "the pair is not quite rectified (the rig was bent or the calibration is another's); --self-rectify on "
-              "makes up for it"
-            : "the pair is not rectified; check that the calibration is of these cameras and says whether these images "
-              "are raw or rectified"));
-  else if (d.rows && d.rows->scatter_px >= kScatterMatters_px)
-    found.push_back(
-        fmt::format("rows of left and right lie apart by {:.1f} px here and there: focal lengths or distortion of one "
-                    "camera are not those of the calibration",
-                    d.rows->scatter_px));
-  if (d.evidence.patches >= kMinPatches && d.matched_share() < kFewMatched)
-    found.push_back(fmt::format(
-        "only {:.0f} % of the places of the left image are found on their row of the right one (32 % and more in good "
-        "pairs): check that the calibration is of these cameras and these images (rectified or raw, not transposed), "
-        "and "
-        "that both were taken at the same moment",
-        100.0 * d.matched_share()));
-  if (d.evidence.beyond >= kMinSomeBeyond && d.beyond_share() > kSomeBeyond)
-    found.push_back(fmt::format(
-        "{:.0f} % of the places that are found would lie beyond infinity: the cameras look towards each other "
-        "or a principal point is wrong, so ranges are too; check cx of both cameras, and that both images were taken "
-        "at the same moment",
-        100.0 * d.beyond_share()));
+  const auto add = [&](std::optional<std::string> complaint) {
+    if (complaint) found.push_back(*std::move(complaint));
+  };
+  add_what_is_seen_badly(d, found);
+  const bool are_places_graver = has_few_matched(d) || has_many_beyond(d);
+  if (are_places_graver) add(told_places(d));
+  if (!is_swapped(d)) add(told_rows(d));
+  if (!are_places_graver) add(told_places(d));
   if (d.nearer_above.value_or(0.0) > kNearerAbove && !d.road_found && d.can_be_trusted())
     found.push_back(fmt::format(
         "places in the upper third of the images are {:.1f} times as near as those in the lower one: do the "
         "images stand on their heads? Then turn both by 180 degrees and give the right one as the left",
         *d.nearer_above));
-  if (!d.road_found)
+  if (!d.road_found && !is_explained(d))
     found.push_back(
         "no road was found where the mount of the camera says it is: heights and obstacles may be wrong; check "
         "--camera-height and --camera-pitch, the calibration, and that both images were taken at the same moment");

@@ -51,7 +51,9 @@ PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camer
 /// What a run of pairs says together: sums and medians.
 PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs);
 
-/// What is not as it should be, one sentence each with what to check; empty when all looks right.
+/// What is not as it should be, one sentence each with what to check; empty when all looks right. First what is seen
+/// badly, then where its rows lie and what is found of it, the graver of both first; what follows from a sentence
+/// before is left out.
 std::vector<std::string> complaints(const PairDiagnosis& diagnosis);
 
 /// Row errors of this size cost obstacles; smaller ones do no harm. Pixels, `RowError::typical_px`.

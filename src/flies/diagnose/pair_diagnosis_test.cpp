@@ -94,6 +94,33 @@ TEST(Complaints, AFewPlacesBeyondInfinityAreTold) {
   EXPECT_TRUE(diagnosis.can_be_trusted());
 }
 
+TEST(Complaints, SwappedImagesAreSaidToBeSwappedAndNothingThatFollows) {
+  PairDiagnosis diagnosis;
+  diagnosis.textured_share = 0.8;
+  diagnosis.evidence = {.patches = 100, .nearer = 1, .beyond = 80};
+  diagnosis.rows = RowError{.offset_px = 3.0, .corners = 100, .middle_u_px = 300.0};
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("are left and right swapped")));
+  diagnosis.evidence = {.patches = 100, .nearer = 40, .beyond = 30};
+  EXPECT_THAT(complaints(diagnosis), Contains(HasSubstr("check cx of both cameras")));
+}
+
+TEST(Complaints, BeginWithWhatTheRestFollowsFrom) {
+  PairDiagnosis diagnosis;
+  diagnosis.textured_share = 0.8;
+  diagnosis.evidence = {.patches = 100, .nearer = 7, .beyond = 5};
+  diagnosis.rows = RowError{.corners = 60, .middle_u_px = 620, .growth = -0.03, .middle_v_px = 187};
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("only 7 % of the places"),
+                                                 HasSubstr("3.0 % smaller than the left one: which a late")));
+  diagnosis.rows_spread_px = 6.7;
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("only 7 %"), HasSubstr("images of different moments do")));
+  diagnosis.evidence = {.patches = 100, .nearer = 70, .beyond = 5};
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("one late or hanging"), HasSubstr("beyond infinity"),
+                                                 HasSubstr("no road was found")));
+  diagnosis.evidence = {.patches = 100, .nearer = 70};
+  diagnosis.road_found = true;
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("or is one late or hanging in some pairs?")));
+}
+
 TEST(Complaints, HiddenPartsAndScatteredRowsAreTold) {
   PairDiagnosis diagnosis;
   diagnosis.textured_share = 0.4;
