@@ -88,7 +88,9 @@ Calibration read_kitti(const NumberTable& table, const CalibrationRequest& reque
   const auto key = [&](int camera) { return fmt::format(fmt::runtime(pattern), camera); };
   const auto cameras = kitti_cameras(table, request, pattern);
   auto calibration = calibration_from_projections({table, key(cameras[0])}, {table, key(cameras[1])});
-  if (size_pattern != nullptr) {
+  // Files of the 2015 benchmark leave the size out.
+  const auto has_size = [&](int camera) { return table.has(fmt::format(fmt::runtime(size_pattern), camera)); };
+  if (size_pattern != nullptr && (has_size(cameras[0]) || has_size(cameras[1]))) {
     const ImageSize size = kitti_size(table, size_pattern, cameras);
     calibration.camera.width_px = size.width_px;
     calibration.camera.height_px = size.height_px;
