@@ -105,10 +105,40 @@ void take_as_cut_off(const CalibrationRequest& request, Calibration& calibration
   const int rows = height_px - request.height_px;
   calibration.notes.push_back({fmt::format(
       "the calibration is for {} x {} px, of which the images have the upper {} rows, it seems: if {} rows were cut "
-      "off at the top instead, the camera seems to look {:.1f} degrees down, which --mount auto finds from the road",
+      "off at the top instead, the camera seems to look {:.1f} degrees down, which --mount auto finds from the road; "
+      "or were they squeezed (--resized)?",
       request.width_px, height_px, request.height_px, rows, degrees(std::atan(rows / calibration.camera.fy_px)))});
   calibration.camera.width_px = request.width_px;
   calibration.camera.height_px = request.height_px;
+}
+
+/// Images of the calibration's width and half its height: fields of interlaced video, far likelier than a cut there.
+bool was_squeezed(const CalibrationRequest& request, const Calibration& calibration, int width_px, int height_px) {
+  return !request.images_are_resized && !calibration.rectifier && width_px == request.width_px && height_px > 2 &&
+         std::abs(2 * request.height_px - height_px) <= 1;
+}
+
+void take_as_squeezed(const CalibrationRequest& request, Calibration& calibration, int height_px) {
+  calibration.notes.push_back({fmt::format(
+      "the calibration is for {} x {} px, and the images have half the rows: taken as squeezed, as fields of "
+      "interlaced "
+      "video are (--resized says so); of images that were cut off, give the camera their size: its height, and cy less "
+      "the rows cut off at the top",
+      request.width_px, height_px)});
+  const detail::ImageScale halved{1.0, static_cast<double>(request.height_px) / height_px};
+  calibration.camera = detail::scaled_camera(calibration.camera, halved, request.width_px, request.height_px);
+}
+
+/// Images that lack rows: for a calibration of this size, which fits in no other way.
+/// @returns whether they do, and the camera is theirs now
+bool take_with_fewer_rows(const CalibrationRequest& request, Calibration& calibration, int width_px, int height_px) {
+  if (was_squeezed(request, calibration, width_px, height_px))
+    take_as_squeezed(request, calibration, height_px);
+  else if (was_cut_off(request, calibration, width_px, height_px))
+    take_as_cut_off(request, calibration, height_px);
+  else
+    return false;
+  return true;
 }
 
 /// Before anything is held against the size.
@@ -129,8 +159,7 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
   if (request.width_px <= 0 || request.height_px <= 0) return;
   const auto deduced =
       camera.width_px == 0 ? detail::size_of_unsized(camera, request.width_px, request.height_px) : std::nullopt;
-  if (deduced && was_cut_off(request, calibration, (*deduced)[0], (*deduced)[1]))
-    return take_as_cut_off(request, calibration, (*deduced)[1]);
+  if (deduced && take_with_fewer_rows(request, calibration, (*deduced)[0], (*deduced)[1])) return;
   if (deduced && (*deduced)[0] == request.height_px && (*deduced)[1] == request.width_px) {
     camera.width_px = (*deduced)[0];
     camera.height_px = (*deduced)[1];
@@ -160,8 +189,7 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
     camera.height_px = request.height_px;
   }
   if (camera.width_px == request.width_px && camera.height_px == request.height_px) return;
-  if (was_cut_off(request, calibration, camera.width_px, camera.height_px))
-    return take_as_cut_off(request, calibration, camera.height_px);
+  if (take_with_fewer_rows(request, calibration, camera.width_px, camera.height_px)) return;
   const auto scale = detail::scale_to_images(camera.width_px, camera.height_px, request);
   if (!scale || calibration.rectifier) return;  // told where the images are used; raw cameras were scaled before
   calibration.notes.push_back(detail::note_on_scale(camera.width_px, camera.height_px, *scale, request));

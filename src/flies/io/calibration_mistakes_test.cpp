@@ -196,5 +196,26 @@ TEST(Mistakes, CoefficientsAreNamedAndTwoAreRadial) {
   expect_rectifies(radial, rig);
 }
 
+TEST(LoadCalibration, TakesImagesOfHalfTheHeightAsSqueezed) {
+  const TemporaryFolder folder;
+  const auto own = [&](int height_px) {
+    return folder.write("c", "fx_px: 721.5\ncx_px: 609.5\ncy_px: 172.5\nbaseline_m: 0.54\nwidth_px: 1242\nheight_px: " +
+                                 std::to_string(height_px) + "\n");
+  };
+  CalibrationRequest request;
+  request.width_px = 1242;
+  for (const auto& [whole_px, half_px] : {std::pair{375, 188}, std::pair{375, 187}, std::pair{376, 188}}) {
+    request.height_px = half_px;
+    const auto calibration = load_calibration(own(whole_px), request);
+    EXPECT_EQ(calibration.camera.fx_px, 721.5);
+    EXPECT_NEAR(calibration.camera.fy_px, 0.5 * 721.5, 1.0);
+    EXPECT_EQ(calibration.camera.height_px, half_px);
+    EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("taken as squeezed")));
+  }
+  request.height_px = 250;
+  EXPECT_THAT(texts(load_calibration(own(375), request).notes),
+              Contains(AllOf(HasSubstr("the upper 250 rows"), HasSubstr("or were they squeezed (--resized)?"))));
+}
+
 }  // namespace
 }  // namespace flies
