@@ -24,14 +24,18 @@ const std::array kFormats = {
     &detail::kOkvis,     &detail::kKimera,        &detail::kOrbSlam,      &detail::kEuroc,
     &detail::kZed,       &detail::kRealSense,     &detail::kDepthAi,      &detail::kBasalt,
     &detail::kMatlab,    &detail::kStereodemo,    &detail::kStixel,       &detail::kCityscapes,
-    &detail::kVins,      &detail::kRosCameraInfo, &detail::kOpenCvStereo, &detail::kCameraMatrixText};
+    &detail::kVins,      &detail::kRosCameraInfo, &detail::kOpenCvStereo, &detail::kCameraMatrixText,
+    &detail::kMrpt,      &detail::kTwoCameras,    &detail::kVirtualKitti, &detail::kFlat};
 
 const detail::CalibrationFormat& recognise(const NumberTable& table) {
   for (const auto* format : kFormats)
     if (format->matches(table)) return *format;
   std::string known;
   for (const auto* format : kFormats) known += (known.empty() ? "" : ", ") + std::string(format->name);
-  throw InputError(table.source, "format", fmt::format("not recognised, expected one of: {}", known));
+  throw InputError(table.source, "format",
+                   fmt::format("not recognised, expected one of: {}; of rectified images seven lines of YAML will do: "
+                               "fx: 700, fy: 700, cx: 320, cy: 240, baseline: 0.12 (metres), width: 640, height: 480",
+                               known));
 }
 
 constexpr double kProbableHeight_m = 20.0;

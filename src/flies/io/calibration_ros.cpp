@@ -279,7 +279,8 @@ const CalibrationFormat kPlainYaml{
       // Programs that write matrices may add a baseline for who reads them.
       const bool has_matrices = std::ranges::any_of(
           table.entries, [](const auto& key_and_entry) { return key_and_entry.second.numbers.size() > 1; });
-      return table.has("fx_px") || (!has_matrices && (table.has("baseline_m") || table.has("cx_px")));
+      return table.has("fx_px") ||
+             (!has_matrices && !table.has("fx") && (table.has("baseline_m") || table.has("cx_px")));
     },
     read_plain};
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <limits>
@@ -154,6 +155,23 @@ bool parse_ost(const std::vector<std::string>& lines, NumberTable& table) {
   return true;
 }
 
+/// Virtual KITTI's intrinsic.txt: names of columns, then a row a picture and camera, which are all alike.
+bool parse_virtual_kitti(const std::vector<std::string>& lines, NumberTable& table) {
+  constexpr std::array kNames = {"K[0,0]", "K[1,1]", "K[0,2]", "K[1,2]"};
+  constexpr std::size_t kBefore = 2;  // frame and camera
+  if (lines.size() < 2 || !lines[0].starts_with("frame cameraID K[0,0] K[1,1] K[0,2] K[1,2]")) return false;
+  std::vector<double> first;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    auto row = bare_numbers(lines[i]);
+    if (!row || row->size() != kBefore + kNames.size()) return false;
+    row->erase(row->begin(), row->begin() + kBefore);
+    if (first.empty()) first = *row;
+    if (*row != first) throw InputError(table.source, fmt::format("row {}", i), "is of another camera than the first");
+  }
+  for (std::size_t k = 0; k < kNames.size(); ++k) table.entries[kNames[k]].numbers = {first[k]};
+  return true;
+}
+
 /// Rows of 12 are the projection matrices of KITTI's odometry, without their names; others are kept as one list.
 bool parse_bare_rows(const std::vector<std::string>& lines, NumberTable& table) {
   std::vector<std::vector<double>> rows;
@@ -190,7 +208,7 @@ void append_words(NumberEntry& entry, std::string text) {
 
 bool parse_lines_of_numbers(const std::string& text, NumberTable& table) {
   const auto lines = lines_of(text);
-  if (parse_ost(lines, table)) return true;
+  if (parse_ost(lines, table) || parse_virtual_kitti(lines, table)) return true;
   if (is_middlebury(lines) || has_sections(lines)) {
     parse_keyed_lines(lines, '=', table);
     return true;

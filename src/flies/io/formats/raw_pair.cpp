@@ -40,6 +40,20 @@ StereoCamera rectified_of(const RawCamera& camera, const RawStereo& raw) {
   return result;
 }
 
+bool is_rectified(const RawStereo& raw) {
+  constexpr double kRounding = 1e-5;
+  const auto is_straight = [](const RawCamera& camera) {
+    return camera.lens == Lens::brown && std::ranges::all_of(camera.distortion, [](double c) { return c == 0.0; });
+  };
+  const Pose none;
+  bool is_level = std::abs(raw.translation_m[1]) < kRounding && std::abs(raw.translation_m[2]) < kRounding;
+  for (std::size_t i = 0; i < none.rotation.size(); ++i)
+    is_level = is_level && std::abs(raw.rotation[i] - none.rotation[i]) < kRounding;
+  const auto &left = raw.left.matrix, &right = raw.right.matrix;
+  return is_level && is_straight(raw.left) && is_straight(raw.right) && left[0] == right[0] && left[4] == right[4] &&
+         left[5] == right[5];
+}
+
 /// The size of a file without one: what the user said, what the principal point tells, or that of the images.
 ImageSize size_of_unsized_pair(const RawStereo& raw, const CalibrationRequest& request, const std::string& source,
                                CalibrationNotes& notes) {
@@ -151,6 +165,19 @@ Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request
   calibration.notes.push_back(
       {fmt::format("the images are taken as raw and rectified first, with the {} model", lens_name(raw.left.lens)),
        CalibrationNoteKind::told});
+  return calibration;
+}
+
+Calibration calibration_from_pair(RawPair pair, const CalibrationRequest& request, const std::string& source) {
+  const RawStereo& raw = pair.stereo;
+  if (!is_rectified(raw)) return calibration_from_raw(std::move(pair), request, source);
+  Calibration calibration;
+  calibration.notes = std::move(pair.notes);
+  calibration.left_name = pair.left_key;
+  calibration.right_name = pair.right_key;
+  calibration.camera = rectified_of(raw.left, raw);
+  calibration.camera.cx_right_px = raw.right.matrix[2];
+  calibration.camera.baseline_m = -raw.translation_m[0];
   return calibration;
 }
 

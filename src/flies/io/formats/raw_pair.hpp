@@ -30,6 +30,10 @@ struct RawPair {
 /// @throws InputError when matrix, distortion or pose cannot be, when the lenses differ, or when no size is known
 Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request, const std::string& source);
 
+/// The same of a file that does not say whether its images are rectified: they are where neither lens bends anything
+/// and the cameras look the same way side by side, as with a camera that rectifies them itself.
+Calibration calibration_from_pair(RawPair pair, const CalibrationRequest& request, const std::string& source);
+
 /// Sets rotation and translation of the right camera.
 void set_pose(RawStereo& stereo, const Pose& right_from_left);
 

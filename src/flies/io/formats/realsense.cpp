@@ -113,21 +113,6 @@ Pose pose_between(const NumberTable& table, const StreamNames& streams) {
              : read(extrinsic_of(streams.left, streams.right));
 }
 
-/// Whether the camera rectifies the images itself, as those of the D400 series do.
-bool is_rectified(const RawStereo& raw) {
-  constexpr double kRounding = 1e-5;
-  const auto is_straight = [](const RawCamera& camera) {
-    return camera.lens == Lens::brown && std::ranges::all_of(camera.distortion, [](double c) { return c == 0.0; });
-  };
-  const Pose none;
-  bool is_level = std::abs(raw.translation_m[1]) < kRounding && std::abs(raw.translation_m[2]) < kRounding;
-  for (std::size_t i = 0; i < none.rotation.size(); ++i)
-    is_level = is_level && std::abs(raw.rotation[i] - none.rotation[i]) < kRounding;
-  const auto &left = raw.left.matrix, &right = raw.right.matrix;
-  return is_level && is_straight(raw.left) && is_straight(raw.right) && left[0] == right[0] && left[4] == right[4] &&
-         left[5] == right[5];
-}
-
 Calibration read_realsense(const NumberTable& table, const CalibrationRequest& request) {
   const bool is_fisheye = sizes_of(table, kStreams[0]).empty() && !sizes_of(table, kStreams[1]).empty();
   const StreamNames& streams = kStreams[is_fisheye ? 1 : 0];
@@ -146,22 +131,7 @@ Calibration read_realsense(const NumberTable& table, const CalibrationRequest& r
     pair.notes.push_back({fmt::format("of {} sizes in the file the largest was taken, {} x {} px", sizes.size(),
                                       size.width_px, size.height_px),
                           CalibrationNoteKind::told});
-  if (!is_rectified(pair.stereo)) return calibration_from_raw(std::move(pair), request, table.source);
-  Calibration calibration;
-  calibration.notes = std::move(pair.notes);
-  calibration.left_name = left;
-  calibration.right_name = right;
-  auto& camera = calibration.camera;
-  const auto& matrix = pair.stereo.left.matrix;
-  camera.fx_px = matrix[0];
-  camera.fy_px = matrix[4];
-  camera.cx_px = matrix[2];
-  camera.cx_right_px = pair.stereo.right.matrix[2];
-  camera.cy_px = matrix[5];
-  camera.baseline_m = -pair.stereo.translation_m[0];
-  camera.width_px = size.width_px;
-  camera.height_px = size.height_px;
-  return calibration;
+  return calibration_from_pair(std::move(pair), request, table.source);
 }
 
 }  // namespace
