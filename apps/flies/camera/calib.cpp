@@ -254,8 +254,8 @@ void setup_calib(CLI::App& app) {
   command->footer(
       "\nFormats: KITTI object, raw and odometry, OpenCV stereo YAML or XML, ROS camera_info pair, Kalibr,\n"
       "EuRoC sensor.yaml pair, ORB-SLAM2 and 3, VINS-Fusion, ZED, RealSense, DepthAI, Basalt, MATLAB\n"
-      "stereoParameters, Middlebury, FoundationStereo, and the YAML that flies synth writes\n"
-      "(docs/formats.md).\n"
+      "stereoParameters, Middlebury, FoundationStereo, the YAML that flies synth writes, others, and by hand:\n"
+      "fx: 700, fy: 700, cx: 320, cy: 240, baseline: 0.12, width: 640, height: 480 (docs/formats.md).\n"
       "\nExamples:\n"
       "  flies calib calib_cam_to_cam.txt --cameras 0,1\n"
       "  flies calib left.yaml --right right.yaml --camera-height 0.98\n"

@@ -311,7 +311,12 @@ Calibration detail::completed(Calibration calibration, const CalibrationRequest&
   check_camera(camera, source);
   const bool says_size = camera.width_px > 0;
   fit_size(request, source, calibration);
-  for (auto& note : check_plausible(camera, source, says_size)) calibration.notes.push_back({std::move(note)});
+  StereoCamera checked = camera;
+  if (calibration.rectifier) {  // the principal points of raw cameras were looked at as they are
+    checked.cx_px = checked.cx_right_px = 0.5 * camera.width_px;
+    checked.cy_px = 0.5 * camera.height_px;
+  }
+  for (auto& note : check_plausible(checked, source, says_size)) calibration.notes.push_back({std::move(note)});
   return calibration;
 }
 

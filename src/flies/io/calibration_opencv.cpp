@@ -139,6 +139,10 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
   if (!names.reprojection.empty()) return read_reprojection(table, names);
   const bool has_rectified = names.has_projections;
   const bool has_raw = names.has_matrices && names.has_pose;
+  if (names.has_matrices && !has_raw && !has_rectified && !has_second_file && !table.has(names.rotation))
+    throw InputError(table.source, names.rotation,
+                     "is missing, how the cameras stand: where that is in a file of its own (extrinsics.yml), give it "
+                     "too: --right-calib FILE");
   // Intrinsics given as a file of their own say that the images are raw; beside P1 and P2 they are just the record of
   // the calibration.
   if (request.images_are_raw || !has_rectified || (has_raw && has_second_file)) return read_raw(table, names, request);

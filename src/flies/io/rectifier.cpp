@@ -212,8 +212,12 @@ Rectifier::Rectifier(const RawStereo& raw, const std::string& source) : raw_(raw
     throw InputError(source, "camera matrices, distortion, R, T",
                      fmt::format("no rectification exists ({})", error.err));
   }
-  if (to.p2.at<double>(1, 3) != 0.0)
-    throw InputError(source, "T", "the cameras stand one above the other, expected side by side");
+  if (to.p2.at<double>(1, 3) != 0.0) {
+    const auto& t = raw.translation_m;
+    throw InputError(source, "T",
+                     fmt::format("the cameras stand one {} the other, expected side by side",
+                                 std::abs(t[2]) > std::abs(t[1]) ? "before" : "above"));
+  }
   camera_.fx_px = to.p1.at<double>(0, 0);
   camera_.fy_px = to.p1.at<double>(1, 1);
   camera_.cx_px = to.p1.at<double>(0, 2);

@@ -27,12 +27,26 @@ using ::testing::HasSubstr;
 Lens lens_in(const std::string& text) { return named_lens(parse_number_table(text, "calib")); }
 
 TEST(NamedLens, IsFoundBelowEveryKeyThatPeopleUse) {
-  for (const char* text :
-       {"distortion_model: equidistant", "distortionModel: fisheye", "cameraModel: FISHEYE", "lens: fisheye",
-        "camera_type: fisheye", "lens_type: kannala_brandt", "calibration_type: fisheye", "projection: equidistant",
-        "left: {model: fisheye}", "right: {distortion_model: equidistant}", "distortion_model_left: equidistant",
-        "left_distortionModel_1: equidistant", "distortion_model: {right: equidistant}", "cam0: {lensModel: equi}",
-        "camera_model: OPENCV_FISHEYE", "fisheye: true", "fisheye_model: 1", "is_fisheye: 1", "isFisheye: yes"})
+  for (const char* text : {"distortion_model: equidistant",
+                           "distortionModel: fisheye",
+                           "cameraModel: FISHEYE",
+                           "lens: fisheye",
+                           "camera_type: fisheye",
+                           "lens_type: kannala_brandt",
+                           "distortion_model: kannala_brandt4",
+                           "calibration_type: fisheye",
+                           "projection: equidistant",
+                           "left: {model: fisheye}",
+                           "right: {distortion_model: equidistant}",
+                           "distortion_model_left: equidistant",
+                           "left_distortionModel_1: equidistant",
+                           "distortion_model: {right: equidistant}",
+                           "cam0: {lensModel: equi}",
+                           "camera_model: OPENCV_FISHEYE",
+                           "fisheye: true",
+                           "fisheye_model: 1",
+                           "is_fisheye: 1",
+                           "isFisheye: yes"})
     EXPECT_EQ(lens_in(text), Lens::equidistant) << text;
   EXPECT_EQ(lens_in("left: {camera_model: ds}"), Lens::double_sphere);
 }

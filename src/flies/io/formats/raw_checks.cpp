@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "flies/core/error.hpp"
@@ -38,6 +39,27 @@ void check_distortion(const RawCamera& camera, const std::string& key, const std
   throw InputError(source, key,
                    fmt::format("found {} coefficients of distortion, expected {} for the {} model",
                                camera.distortion.size(), fmt::join(counts, " or "), lens_name(camera.lens)));
+}
+
+/// Where a ray at this distance from the axis, both in focal lengths, is seen by the radial part of the model.
+double bent(const std::vector<double>& d, double r) {
+  const auto coefficient = [&](std::size_t i) { return i < d.size() ? d[i] : 0.0; };
+  const double q = r * r;
+  const double above = 1.0 + q * (coefficient(0) + q * (coefficient(1) + q * coefficient(4)));
+  const double below = 1.0 + q * (coefficient(5) + q * (coefficient(6) + q * coefficient(7)));
+  return r * above / below;
+}
+
+/// The distance from the axis, in focal lengths, that no ray is seen beyond; nothing when some reach `needed`.
+std::optional<double> fold(const std::vector<double>& d, double needed) {
+  constexpr double kStep = 0.002, kFarthest = 5.0;  // nearly at right angles to the axis
+  double before = 0.0;
+  for (double r = kStep; r < kFarthest && before < needed; r += kStep) {
+    const double now = bent(d, r);
+    if (now < before) return before;
+    before = now;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -79,6 +101,22 @@ std::string note_on_lens(const RawCamera& camera, const std::string& key, int wi
       "{}: {} is improbable for the {} model: is it a fisheye lens (distortion_model: equidistant), or are the "
       "coefficients in another order than k1 k2 p1 p2 k3?",
       key, odd, lens_name(camera.lens));
+}
+
+std::string note_on_fold(const RawCamera& camera, const std::string& key, int width_px, int height_px) {
+  if (camera.lens != Lens::brown) return {};
+  // Good calibrations may fold in the outermost corners, where no board was seen.
+  constexpr double kWithin = 0.8;
+  const auto& m = camera.matrix;
+  const double corner = std::hypot(0.5 * width_px / m[0], 0.5 * height_px / m[4]);
+  const auto at = fold(camera.distortion, kWithin * corner);
+  if (!at) return {};
+  return fmt::format(
+      "{}: by its coefficients of distortion nothing is seen more than {:.0f} px from the principal point, and images "
+      "of {} x {} px reach {:.0f} px: no lens bends rays back like that; are they in another order than k1 k2 p1 p2 "
+      "k3, "
+      "of another model, or from a calibration of too few views?",
+      key, *at * m[0], width_px, height_px, corner * m[0]);
 }
 
 std::string note_on_skew(const RawCamera& camera, const std::string& key) {

@@ -61,7 +61,8 @@ ImageSize size_of_unsized_pair(const RawStereo& raw, const CalibrationRequest& r
   if (request.images_are_resized)
     throw InputError(source, "image size", "is not in the file: say what the images were resized from (--calib-size)");
   if (request.width_px == 0 || request.height_px == 0)
-    throw InputError(source, "image_width, image_height", "are missing, and rectifying needs the size of the images");
+    throw InputError(source, "image_width, image_height",
+                     "are missing, and rectifying needs the size of the images: say it (--size W,H)");
   const StereoCamera left = rectified_of(raw.left, raw);
   if (const auto deduced = size_of_unsized(left, request.width_px, request.height_px)) {
     notes.push_back({note_on_deduced_size(left.cx_px, left.cy_px, (*deduced)[0], (*deduced)[1])});
@@ -102,9 +103,16 @@ CalibrationNotes notes_on(const RawPair& pair, const std::string& source) {
       break;  // both have the same lens
     }
   for (const auto& [camera, key] : {std::pair{&raw.left, &pair.left_key}, std::pair{&raw.right, &pair.right_key}})
+    if (auto note = note_on_fold(*camera, *key, raw.width_px, raw.height_px); !note.empty()) {
+      notes.push_back({std::move(note)});
+      break;
+    }
+  for (const auto& [camera, key] : {std::pair{&raw.left, &pair.left_key}, std::pair{&raw.right, &pair.right_key}})
     if (const auto note =
-            check_principal_point(camera->matrix[2], camera->matrix[5], raw.width_px, raw.height_px, source, *key))
+            check_principal_point(camera->matrix[2], camera->matrix[5], raw.width_px, raw.height_px, source, *key)) {
       notes.push_back({*key + ": " + *note});
+      break;  // both were cropped alike, if they were
+    }
   return notes;
 }
 
@@ -121,14 +129,34 @@ void complete_distortion(RawPair& pair) {
   }
 }
 
+/// What most often makes two cameras see nothing in common; empty when neither size nor unit is odd.
+std::string cause_of_failure(const RawPair& pair) {
+  constexpr double kAlike = 1.4, kLeastBaseline_m = 0.005;
+  const RawStereo& raw = pair.stereo;
+  const double left_px = raw.left.matrix[0], right_px = raw.right.matrix[0];
+  const double apart_m = std::hypot(raw.translation_m[0], raw.translation_m[1], raw.translation_m[2]);
+  if (std::max(left_px, right_px) > kAlike * std::min(left_px, right_px))
+    return fmt::format(
+        "the focal lengths of {} and {} are {:.6g} and {:.6g} px, expected much the same: are the numbers of one those "
+        "of images of another size?",
+        pair.left_key, pair.right_key, left_px, right_px);
+  if (apart_m < kLeastBaseline_m)
+    return fmt::format(
+        "the cameras stand {:.4g} m apart ({}): is the unit of the translation, or of one of its "
+        "numbers, another?",
+        apart_m, pair.pose_key);
+  return {};
+}
+
 /// @throws InputError with what was noted before, which often says why there is no rectification
-Rectifier rectifier_of(const RawStereo& raw, const std::string& source, const CalibrationNotes& notes) {
+Rectifier rectifier_of(const RawPair& pair, const std::string& source, const CalibrationNotes& notes) {
   try {
-    return Rectifier(raw, source);
+    return Rectifier(pair.stereo, source);
   } catch (const InputError& error) {
-    if (notes.empty()) throw;
-    const std::string message = error.what();
+    const std::string message = error.what(), cause = cause_of_failure(pair);
     const std::string complaint = message.starts_with(source + ": ") ? message.substr(source.size() + 2) : message;
+    if (!cause.empty()) throw InputError(source, "", fmt::format("{} ({})", cause, complaint));
+    if (notes.empty()) throw;
     throw InputError(source, "", fmt::format("{}; {}", complaint, fmt::join(texts(notes), "; ")));
   }
 }
@@ -151,7 +179,7 @@ Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request
     raw.width_px = request.width_px;
     raw.height_px = request.height_px;
   }
-  calibration.rectifier = rectifier_of(raw, source, calibration.notes);
+  calibration.rectifier = rectifier_of(pair, source, calibration.notes);
   calibration.camera = calibration.rectifier->camera();
   calibration.left_name = pair.left_key;
   calibration.right_name = pair.right_key;
