@@ -87,6 +87,8 @@ TEST(FlatFormats, TwoCamerasAreReadAsScriptsDumpThem) {
   CalibrationRequest request;
   request.baseline_m = 0.0499;
   expect_small_camera(load_calibration(folder.write("c", sides + "}"), request));
+  request.baseline_m = -0.0499;
+  EXPECT_THAT(error_of([&] { load_calibration(folder.write("c", sides + "}"), request); }), HasSubstr("was asked for"));
 }
 
 TEST(FlatFormats, ADumpedRotationStandsColumnByColumn) {

@@ -43,11 +43,8 @@ void check_distortion(const RawCamera& camera, const std::string& key, const std
 
 /// Where a ray at this distance from the axis, both in focal lengths, is seen by the radial part of the model.
 double bent(const std::vector<double>& d, double r) {
-  const auto coefficient = [&](std::size_t i) { return i < d.size() ? d[i] : 0.0; };
-  const double q = r * r;
-  const double above = 1.0 + q * (coefficient(0) + q * (coefficient(1) + q * coefficient(4)));
-  const double below = 1.0 + q * (coefficient(5) + q * (coefficient(6) + q * coefficient(7)));
-  return r * above / below;
+  const double q = r * r, k3 = d.size() > 4 ? d[4] : 0.0;
+  return r * (1.0 + q * (d[0] + q * (d[1] + q * k3)));
 }
 
 /// The distance from the axis, in focal lengths, that no ray is seen beyond; nothing when some reach `needed`.
@@ -104,7 +101,9 @@ std::string note_on_lens(const RawCamera& camera, const std::string& key, int wi
 }
 
 std::string note_on_fold(const RawCamera& camera, const std::string& key, int width_px, int height_px) {
-  if (camera.lens != Lens::brown) return {};
+  // Quotients of the rational model may have poles, thin rings that are told elsewhere.
+  constexpr std::size_t kPolynomial = 5;
+  if (camera.lens != Lens::brown || camera.distortion.size() > kPolynomial) return {};
   // Good calibrations may fold in the outermost corners, where no board was seen.
   constexpr double kWithin = 0.8;
   const auto& m = camera.matrix;

@@ -89,6 +89,7 @@ Pose dumped_pose(const NumberTable& table, const CalibrationRequest& request) {
     if (table.has(name)) return {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-table.require_number(name), 0.0, 0.0}};
   if (!table.has("extrinsics.translation")) {
     missing_baseline(request, table.source, "baseline (or extrinsics.rotation and extrinsics.translation)");
+    check_asked_baseline(*request.baseline_m, table.source);
     return {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-*request.baseline_m, 0.0, 0.0}};
   }
   const auto& t = table.require("extrinsics.translation", 3);
