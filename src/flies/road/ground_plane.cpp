@@ -13,9 +13,15 @@ namespace {
 /// Distance in disparity that counts as lying on a plane. Where the ground comes nearer quickly from row to row, the
 /// neighbourhoods that are matched cover several disparities and their match is as uncertain.
 constexpr double kInlier_px = 0.6;
+/// With less focal length times baseline the ground spans so few disparities that a plane takes floor and walls for
+/// one: the distance shrinks with it, but not below what disparities scatter by.
+constexpr double kScaleOfInlier_px_m = 32.0, kLeastInlier_px = 0.25;
 
 /// Nearer to the horizon than this parallax everything is on the ground.
 constexpr double kLeastParallax_px = 1.5;
+
+/// By which disparities of places beside each other are off together: soft texture, slanted neighbourhoods.
+constexpr double kBias_px = 0.05;
 
 constexpr int kTrials = 20'000;
 /// Of the trials so many are refined, the best supported.
@@ -23,7 +29,8 @@ constexpr std::size_t kRefined = 12;
 constexpr std::uint64_t kSeed = 14;
 
 double tolerance_px(const SeenPlaces& seen, const GroundPlane& plane) {
-  return kInlier_px * std::max(1.0, std::abs(plane.down_px) / seen.fy_px);
+  const double share = std::clamp(seen.scale_px_m / kScaleOfInlier_px_m, kLeastInlier_px / kInlier_px, 1.0);
+  return kInlier_px * share * std::max(1.0, std::abs(plane.down_px) / seen.fy_px);
 }
 
 /// @returns nothing when the matrix is singular for practical purposes
@@ -178,7 +185,8 @@ MountDeviation mount_deviation(const SeenPlaces& seen, const GroundPlane& plane)
   const NormalEquations normal(seen, plane, tolerance_px(seen, plane));
   const auto covariance = inverse(normal.matrix);
   if (!covariance || normal.weight < 4.0) return {};
-  const double variance_px2 = normal.squares / (normal.weight - 3.0);
+  // However many places there are, they make up for chance, not for what they are off by together.
+  const double variance_px2 = normal.squares / (normal.weight - 3.0) + normal.weight * kBias_px * kBias_px;
   const CameraMount mount = mount_above(plane, seen.scale_px_m);
   // By differences: how far the mount moves with each number of the plane.
   std::array<CameraMount, 3> moved;

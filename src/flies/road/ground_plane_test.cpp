@@ -48,6 +48,40 @@ INSTANTIATE_TEST_SUITE_P(Mounts, FitGround,
                                          CameraMount{1.2, radians(5), radians(10)},
                                          CameraMount{1.2, radians(5), radians(-10)}));
 
+TEST(FitGround, TakesNoFloorAndWallForOnePlaneWhereBothAreWithinAFewDisparities) {
+  const CameraMount truth{1.48, radians(4.0), 0.0};
+  constexpr double kSmallScale_px_m = 16.0, kWallParallax_px = kSmallScale_px_m / 5.0;
+  const GroundPlane floor = plane_below(truth, kSmallScale_px_m);
+  SeenPlaces seen{250.0, kSmallScale_px_m, {}};
+  FlyRandom random(6, 0, 0, 0);
+  for (int i = 0; i < 600; ++i) {
+    SeenPlace place{random.uniform(-0.9, 0.9), random.uniform(-0.45, 0.45), 0.0};
+    place.parallax_px = std::max(kWallParallax_px, floor.parallax_px(place)) + 0.1 * random.normal();
+    seen.places.push_back(place);
+  }
+  const auto found = fit_ground(seen, {});
+  ASSERT_TRUE(found);
+  const CameraMount mount = mount_above(found->plane, kSmallScale_px_m);
+  EXPECT_NEAR(mount.height_m, truth.height_m, 0.1);
+  EXPECT_NEAR(mount.pitch_rad, truth.pitch_rad, radians(2.0));
+}
+
+TEST(MountDeviation, IsNoLessForManyPlacesThanWhatTheyAreOffByTogether) {
+  const auto pitch_deg = [](double scale_px_m) {
+    const GroundPlane plane = plane_below({1.5, 0.0, 0.0}, scale_px_m);
+    SeenPlaces seen{500.0, scale_px_m, {}};
+    FlyRandom random(7, 0, 0, 0);
+    for (int i = 0; i < 10'000; ++i) {
+      SeenPlace place{random.uniform(-0.8, 0.8), random.uniform(0.25, 0.5), 0.0};
+      place.parallax_px = plane.parallax_px(place) + 0.2 * random.normal();
+      seen.places.push_back(place);
+    }
+    return degrees(mount_deviation(seen, plane).pitch_rad);
+  };
+  EXPECT_GT(pitch_deg(16.0), 1.0);   // a baseline of 0.06 m and few columns
+  EXPECT_LT(pitch_deg(380.0), 0.2);  // a car
+}
+
 TEST(MountAbove, IsTheInverseOfPlaneBelow) {
   for (const double pitch_deg : {-15.0, 0.0, 25.0})
     for (const double roll_deg : {-10.0, 0.0, 4.0}) {
