@@ -40,6 +40,9 @@ constexpr double kMoreRoad = 1.5;
 /// at most 0.012 where none is (images turned by 180 degrees, but for floors that are 5 m away or stand upright).
 constexpr double kGroundShare = 0.015;
 constexpr double kMuchGroundShare = 0.08;
+/// The same of images of half the size, where the ground is as told: 0.05 and more on dark asphalt, next to nothing
+/// where it is elsewhere.
+constexpr double kGroundShareInHalves = 0.04;
 /// Of turned images to be the ground, and so many times that of the images as they are.
 constexpr double kTurnedShare = 0.03, kTurnedOverGiven = 3.0;
 /// Below this, places in the upper third of the images are not so much nearer that they may stand on their heads: 1.2
@@ -162,13 +165,20 @@ struct Evidence {
 
   double share(double of) const { return places == 0 ? 0.0 : of / static_cast<double>(places); }
   bool is_as_told() const { return told_support >= kAsGood * support; }
-  bool is_clear() const { return share(support) >= (is_as_told() ? kGroundShare : kMuchGroundShare); }
+  bool has_mount() const {
+    return std::ranges::any_of(votes, [](const Vote& vote) { return vote.mount.has_value(); });
+  }
+  bool is_clear() const {
+    return is_as_told() ? share(support) >= kGroundShare : share(support) >= kMuchGroundShare && has_mount();
+  }
+  /// Likewise, of halved images: a plane takes more of what lies on none.
+  bool is_clear_in_halves() const { return is_clear() && share(support) >= kGroundShareInHalves; }
 };
 
-Evidence gather(std::span<const RectifiedPair> pairs, const StereoCamera& camera, double max_shear) {
+Evidence gather(std::span<const RectifiedPair> pairs, const StereoCamera& camera, double max_shear, int max_width_px) {
   Evidence evidence;
   for (const auto& pair : pairs) {
-    evidence.each.push_back(see_places(pair, camera, max_shear));
+    evidence.each.push_back(see_places(pair, camera, max_shear, max_width_px));
     const Vote& vote = evidence.votes.emplace_back(vote_of(evidence.each.back(), camera.mount));
     evidence.places += vote.places;
     evidence.support += vote.support;
@@ -178,12 +188,24 @@ Evidence gather(std::span<const RectifiedPair> pairs, const StereoCamera& camera
 }
 
 /// With the shears that nearly all mounts need; with more, which let chance match more as well, where that shows more.
-Evidence gather_clear(std::span<const RectifiedPair> pairs, const StereoCamera& camera) {
-  Evidence evidence = gather(pairs, camera, kSmallShear);
+Evidence gather_sheared(std::span<const RectifiedPair> pairs, const StereoCamera& camera, int max_width_px) {
+  Evidence evidence = gather(pairs, camera, kSmallShear, max_width_px);
   const double large = std::min(kLargeShear, camera.baseline_m / kLowestMount_m);
   if (evidence.is_clear() || large <= kSmallShear) return evidence;
-  Evidence steep = gather(pairs, camera, large);
+  Evidence steep = gather(pairs, camera, large, max_width_px);
   return steep.share(steep.support) > evidence.share(evidence.support) ? steep : evidence;
+}
+
+/// Or in images of half the size, where these show it clearly: soft ground is lost in the noise of large ones.
+Evidence gather_clear(std::span<const RectifiedPair> pairs, const StereoCamera& camera) {
+  Evidence evidence = gather_sheared(pairs, camera, kPlacesWidth_px);
+  const bool is_large = std::ranges::any_of(pairs, [](const RectifiedPair& pair) {
+    return pair.left.width_px > kCoarsePlacesWidth_px && pair.left.width_px <= kPlacesWidth_px;
+  });
+  if (evidence.is_clear() || !is_large) return evidence;
+  Evidence coarse = gather_sheared(pairs, camera, kCoarsePlacesWidth_px);
+  const bool shows_more = coarse.share(coarse.support) > evidence.share(evidence.support);
+  return shows_more && coarse.is_clear_in_halves() ? coarse : evidence;
 }
 
 /// Whether a plane of the turned images is the ground, and hardly any of the images as they are.

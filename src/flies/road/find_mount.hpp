@@ -20,9 +20,10 @@ struct MountFinding {
 };
 
 /// Finds height, pitch and roll of the camera above the ground that the pairs show. Where the road is seen as the
-/// mount says, that is all, and takes about a millisecond a pair; otherwise all of the images is matched and the plane
-/// that has most places on it and fewest below is looked for (some 0.1 s a pair): heights of 0.15 to 3.6 m, pitches of
-/// -20 to 35 degrees, rolls of up to 15. Meant for the first pairs of a run, not for each.
+/// mount says, that is all, and takes about a millisecond a pair; otherwise all of the images is matched (at half of
+/// their size where that shows the ground more clearly) and the plane that has most places on it and fewest below is
+/// looked for (some 0.1 s a pair): heights of 0.15 to 3.6 m, pitches of -20 to 35 degrees, rolls of up to 15. Meant for
+/// the first pairs of a run, not for each.
 /// @param pairs of one camera, of the size it is calibrated for; five are plenty, one can do
 /// @throws InputError when an image is empty or those of a pair differ in size
 MountFinding find_mount(std::span<const RectifiedPair> pairs, const StereoCamera& camera);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "flies/core/error.hpp"
+#include "flies/core/random.hpp"
 #include "flies/road/textured_road.hpp"
 
 namespace flies {
@@ -66,6 +67,49 @@ INSTANTIATE_TEST_SUITE_P(Mounts, FindMount,
                                          Case{{1.0, radians(-15), 0.0}, 0.5}, Case{{1.65, 0.0, radians(10)}, 0.5},
                                          Case{{1.0, radians(15), radians(-10)}, 0.12}));
 
+/// Places a wall before the upper rows, as far away in all of them.
+void draw_wall(OwnPair& pair, int rows, int disparity_px) {
+  const auto width = static_cast<std::size_t>(pair.width_px);
+  for (int v = 0; v < rows; ++v)
+    for (int u = 0; u < pair.width_px; ++u) {
+      const auto at = [&](int column) { return static_cast<std::uint8_t>(60 + 120 * road_texture(column, v, 5.0)); };
+      const auto place = static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u);
+      pair.left[place] = at(u);
+      pair.right[place] = at(u + disparity_px);
+    }
+}
+
+void add_noise(std::vector<std::uint8_t>& pixels, std::uint32_t purpose, double noise_gray) {
+  FlyRandom random(9, purpose, 0, 0);
+  for (auto& pixel : pixels)
+    pixel = static_cast<std::uint8_t>(std::clamp(pixel + noise_gray * random.normal(), 0.0, 255.0));
+}
+
+TEST(FindMount, SeesSoftGroundThatIsLostInTheNoiseOfLargeImages) {
+  constexpr CameraMount kTruth{0.4, radians(15), 0.0};
+  StereoCamera large{.fx_px = 800,
+                     .fy_px = 800,
+                     .cx_px = 640,
+                     .cx_right_px = 640,
+                     .cy_px = 300,
+                     .baseline_m = 0.12,
+                     .width_px = 1280,
+                     .height_px = 600,
+                     .mount = kTruth};
+  OwnPair pair = render_ground(large);
+  for (auto* pixels : {&pair.left, &pair.right})
+    for (auto& pixel : *pixels) pixel = static_cast<std::uint8_t>(96 + pixel / 4);
+  draw_wall(pair, 140, 16);
+  add_noise(pair.left, 0, 6.0);
+  add_noise(pair.right, 1, 6.0);
+  large.mount = {};
+  const RectifiedPair view = pair.view();
+  const MountFinding finding = find_mount({&view, 1}, large);
+  EXPECT_TRUE(finding.is_replaced);
+  EXPECT_NEAR(finding.mount.height_m / kTruth.height_m, 1.0, kHeightShare);
+  EXPECT_NEAR(finding.mount.pitch_rad, kTruth.pitch_rad, kTilt_rad);
+}
+
 TEST(FindMount, TellsImagesThatStandOnTheirHeads) {
   OwnPair pair = render_ground(camera({1.2, radians(5), 0.0}, 0.3));
   std::reverse(pair.left.begin(), pair.left.end());
@@ -88,13 +132,7 @@ TEST(FindMount, SaysNothingWhereNoGroundIsSeen) {
   MountFinding finding = find_mount({&view, 1}, camera(told, 0.12));
   EXPECT_FALSE(finding.is_confirmed || finding.is_replaced || finding.is_upside_down);
   // A wall that fills both images, 3 m ahead: a plane, but no ground.
-  constexpr int kDisparity_px = 16;
-  for (int v = 0; v < 400; ++v)
-    for (int u = 0; u < 640; ++u) {
-      const auto at = [&](int column) { return static_cast<std::uint8_t>(60 + 120 * road_texture(column, v, 5.0)); };
-      pair.left[static_cast<std::size_t>(v * 640 + u)] = at(u);
-      pair.right[static_cast<std::size_t>(v * 640 + u)] = at(u + kDisparity_px);
-    }
+  draw_wall(pair, 400, 16);
   view = pair.view();
   finding = find_mount({&view, 1}, camera(told, 0.12));
   EXPECT_FALSE(finding.is_confirmed || finding.is_replaced || finding.is_upside_down);

@@ -13,8 +13,6 @@
 namespace flies {
 namespace {
 
-/// Larger images are halved until they are no wider: the ground needs no finer disparities.
-constexpr int kMaxWidth_px = 1400;
 constexpr int kColumnStep_px = 16, kRowStep_px = 8;
 constexpr double kMinCorrelation = 0.6;
 /// Disparities that are looked through, as a share of the width.
@@ -108,11 +106,11 @@ void match_grid(const RectifiedPair& pair, double shear, double offset_px, int c
 
 }  // namespace
 
-SeenPlaces see_places(const RectifiedPair& pair, const StereoCamera& camera, double max_shear) {
+SeenPlaces see_places(const RectifiedPair& pair, const StereoCamera& camera, double max_shear, int max_width_px) {
   RectifiedPair used = pair;
   OwnImage left, right;
   double factor = 1.0;
-  while (used.left.width_px > kMaxWidth_px) {
+  while (used.left.width_px > max_width_px) {
     left = halved(used.left);
     right = halved(used.right);
     used = {left.view(), right.view()};

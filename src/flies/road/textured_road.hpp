@@ -32,14 +32,15 @@ struct OwnPair {
   }
 };
 
-/// For tests: a textured ground under a camera with any mount, below a uniform sky. Grains grow with the height.
-inline OwnPair render_ground(const StereoCamera& camera) {
+/// For tests: a textured ground under a camera with any mount, below a uniform sky.
+/// @param grain of the texture, as a share of the camera's height
+inline OwnPair render_ground(const StereoCamera& camera, double grain = 0.04) {
   const Projection projection(camera);
   OwnPair pair{camera.width_px, camera.height_px, {}, {}};
   const auto shade = [&](double u_px, double v_px) {
     const Point3 p = projection.meet_road(u_px, v_px, {});
     if (!(p.x_m > 0.0 && p.x_m < 40.0 * camera.mount.height_m)) return std::uint8_t{128};
-    return static_cast<std::uint8_t>(60 + 120 * road_texture(p.x_m, p.y_m, 0.04 * camera.mount.height_m));
+    return static_cast<std::uint8_t>(60 + 120 * road_texture(p.x_m, p.y_m, grain * camera.mount.height_m));
   };
   for (int v = 0; v < camera.height_px; ++v)
     for (int u = 0; u < camera.width_px; ++u) {
