@@ -168,6 +168,14 @@ TEST_F(Check, FindsTheCameraThatWasToldWrong) {
   }
 }
 
+TEST_F(Check, DoubtsThePrincipalPointWhereTheCameraSeemsToLookDownAndNothingIsFarAway) {
+  cv::Mat moved;
+  const cv::Mat& right = street_pair().right;
+  cv::warpAffine(right, moved, cv::Matx23d(1, 0, -12, 0, 1, 0), right.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::imwrite((folder.path() / "moved.png").string(), moved);
+  EXPECT_THAT(check("moved.png").out, HasSubstr("cx of one camera is some 1"));
+}
+
 TEST_F(Check, LeavesTheCameraAsGivenOnRequestAndWhereItIsRight) {
   const RunResult wrong = with_mount("detect", {"--camera-height", "0.4", "--mount", "given"}, {"--json", "-"});
   EXPECT_EQ(wrong.status, 0) << wrong.err;

@@ -1,14 +1,12 @@
 #include "flies/road/find_mount.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <utility>
 #include <vector>
 
 #include "flies/core/pair_check.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/core/usable_pair.hpp"
 #include "flies/road/ground_plane.hpp"
 #include "flies/road/road.hpp"
@@ -187,6 +185,17 @@ Evidence gather(std::span<const RectifiedPair> pairs, const StereoCamera& camera
   return evidence;
 }
 
+/// Less than which hardly any place has: things as far away as a street's end are seen somewhere.
+double farthest_px(const Evidence& evidence, double scale_px_m) {
+  constexpr double kHardlyAny = 0.02;
+  std::vector<double> parallaxes_px;
+  for (const auto& seen : evidence.each) {
+    const double factor = scale_px_m / seen.scale_px_m;  // the places may be those of halved images
+    for (const auto& place : seen.places) parallaxes_px.push_back(factor * place.parallax_px);
+  }
+  return parallaxes_px.empty() ? 0.0 : quantile(parallaxes_px, kHardlyAny);
+}
+
 /// With the shears that nearly all mounts need; with more, which let chance match more as well, where that shows more.
 Evidence gather_sheared(std::span<const RectifiedPair> pairs, const StereoCamera& camera, int max_width_px) {
   Evidence evidence = gather(pairs, camera, kSmallShear, max_width_px);
@@ -263,7 +272,7 @@ std::optional<CameraMount> nearby_mount(const Evidence& evidence, std::span<cons
 
 MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera& camera) {
   check_camera(camera, "camera");
-  MountFinding finding{.told = camera.mount, .mount = camera.mount};
+  MountFinding finding{.told = camera.mount, .mount = camera.mount, .scale_px_m = camera.fx_px * camera.baseline_m};
   std::vector<RectifiedPair> pairs;
   for (const auto& pair : given) pairs.push_back(detail::usable_pair(pair));
   const double told_road = road_share(pairs, camera);
@@ -272,6 +281,7 @@ MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera
 
   const Evidence evidence = gather_clear(pairs, camera);
   finding.ground_share = evidence.share(evidence.support);
+  finding.farthest_px = farthest_px(evidence, finding.scale_px_m);
   if (stands_on_its_head(evidence)) {
     finding.is_confirmed = false;
     finding.is_upside_down = true;
@@ -286,31 +296,6 @@ MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera
   finding.is_replaced = mount.has_value();
   if (mount) finding.mount = *mount;
   return finding;
-}
-
-std::optional<std::string> mount_note(const MountFinding& finding) {
-  if (finding.is_upside_down)
-    return "the ground lies above the camera: the images stand on their heads; turn both by 180 degrees and give the "
-           "right one as the left";
-  if (!finding.is_replaced) return std::nullopt;
-  const CameraMount &told = finding.told, &seen = finding.mount;
-  const auto tilt = [](double rad) { return degrees(rad) + 0.0; };
-  std::string note = fmt::format(
-      "the road lies {:.2f} m below the camera, which looks {:.1f} degrees down and leans {:.1f} to the right, not "
-      "{:.2f} m, {:.1f} and {:.1f}: that is used; give it as --camera-height {:.2f} --camera-pitch {:.1f} "
-      "--camera-roll {:.1f}, or --mount given for the other",
-      seen.height_m, tilt(seen.pitch_rad), tilt(seen.roll_rad), told.height_m, tilt(told.pitch_rad),
-      tilt(told.roll_rad), seen.height_m, tilt(seen.pitch_rad), tilt(seen.roll_rad));
-  // All ranges grow with the baseline, and so does the height that the road is seen at.
-  constexpr double kMuch = 0.15, kNear = 0.35;
-  for (const auto& [unit, metres] : {std::pair{"centimetres", 1e-2}, std::pair{"millimetres", 1e-3}})
-    if (std::abs(seen.height_m / (told.height_m * metres) - 1.0) < kNear)
-      return note + fmt::format(". Was {:.4g} meant in {}?", told.height_m, unit);
-  if (std::abs(seen.height_m / told.height_m - 1.0) > kMuch)
-    note += fmt::format(
-        ". If {:.2f} m was measured, the baseline or the focal length is not that of the cameras but {:.3g} times it",
-        told.height_m, seen.height_m / told.height_m);
-  return note;
 }
 
 }  // namespace flies

@@ -16,6 +16,10 @@ struct MountFinding {
   bool is_replaced = false;     ///< the ground lies elsewhere, and `mount` is where it is seen
   bool is_confirmed = false;    ///< the ground was seen where it was told to be
   bool is_upside_down = false;  ///< the ground lies above the camera: both images stand on their heads
+  double scale_px_m = 0.0;      ///< focal length times baseline: disparity times depth
+  /// Disparity less that of infinity, of which hardly any place that was matched has less (one in fifty); 0 where not
+  /// looked for.
+  double farthest_px = 0.0;
   double ground_share = 0.0;  ///< of the places that could be matched, those that lie on the ground, net of those below
 };
 

@@ -1,0 +1,62 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "flies/road/find_mount.hpp"
+#include "flies/road/ground_plane.hpp"
+
+namespace flies {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr double kScale_px_m = 387.0;
+constexpr double kHeight_m = 1.65;
+
+/// What is found where the road's disparities are other by so much: everywhere, and at depth 1 to the right.
+MountFinding found_with(double offset_px, double to_the_right_px, double farthest_px) {
+  const CameraMount told{kHeight_m, 0.0, 0.0};
+  GroundPlane plane = plane_below(told, kScale_px_m);
+  plane.ahead_px += offset_px;
+  plane.across_px += to_the_right_px;
+  return {.told = told,
+          .mount = mount_above(plane, kScale_px_m),
+          .is_replaced = true,
+          .scale_px_m = kScale_px_m,
+          .farthest_px = farthest_px};
+}
+
+TEST(MountNote, DoubtsThePrincipalPointWhereAPitchAloneIsSeenAndNothingFarAway) {
+  const auto note = mount_note(found_with(20.0, 0.0, 19.0));
+  ASSERT_TRUE(note);
+  EXPECT_THAT(*note, HasSubstr("4.9 degrees down"));
+  EXPECT_THAT(*note,
+              HasSubstr("farther away than 20.4 m: if it looks 0.0 degrees down, cx of one camera is some 19 px off"));
+}
+
+TEST(MountNote, DoesNotDoubtThePrincipalPointWhereSomethingIsFarAway) {
+  EXPECT_THAT(*mount_note(found_with(20.0, 0.0, 2.0)), Not(HasSubstr("cx")));
+}
+
+TEST(MountNote, DoesNotDoubtThePrincipalPointOfACameraAtAnotherHeight) {
+  MountFinding finding = found_with(20.0, 0.0, 19.0);
+  finding.mount.height_m = 1.2;
+  EXPECT_THAT(*mount_note(finding), Not(HasSubstr("cx")));
+}
+
+TEST(MountNote, AsksForOtherWidthsWhereARollAloneIsSeen) {
+  const auto note = mount_note(found_with(0.0, 22.0, 2.0));
+  ASSERT_TRUE(note);
+  EXPECT_THAT(*note, HasSubstr("leans 5.4 to the right"));
+  EXPECT_THAT(*note, HasSubstr("If it leans 0.0 degrees, one image is narrower than the other"));
+  EXPECT_THAT(*mount_note(found_with(20.0, 22.0, 2.0)), Not(HasSubstr("narrower")));
+}
+
+TEST(MountNote, SaysNothingOfWhatIsAsTold) {
+  MountFinding finding = found_with(20.0, 22.0, 19.0);
+  finding.is_replaced = false;
+  EXPECT_FALSE(mount_note(finding));
+}
+
+}  // namespace
+}  // namespace flies
