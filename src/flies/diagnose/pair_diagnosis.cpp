@@ -271,8 +271,9 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
   if (!are_places_graver) add(told_places(d));
   if (d.nearer_above.value_or(0.0) > kNearerAbove && !d.road_found && d.can_be_trusted())
     found.push_back(fmt::format(
-        "places in the upper third of the images are {:.1f} times as near as those in the lower one: do the "
-        "images stand on their heads? Then turn both by 180 degrees and give the right one as the left",
+        "places in the upper third of the images are {:.1f} times as near as those in the lower one: are these tree "
+        "tops, a ceiling or a bridge, and the ground far below? Else the images stand on their heads: turn both by 180 "
+        "degrees and give the right one as the left",
         *d.nearer_above));
   if (!d.road_found && !is_explained(d))
     found.push_back(

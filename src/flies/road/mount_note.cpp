@@ -39,7 +39,7 @@ std::string other_causes_of_tilt(const MountFinding& finding) {
 std::optional<std::string> mount_note(const MountFinding& finding) {
   if (finding.is_upside_down)
     return "the ground lies above the camera: the images stand on their heads; turn both by 180 degrees and give the "
-           "right one as the left";
+           "right one as the left, unless that is a ceiling";
   if (!finding.is_replaced) return std::nullopt;
   const CameraMount &told = finding.told, &seen = finding.mount;
   const auto tilt = [](double rad) { return degrees(rad) + 0.0; };
