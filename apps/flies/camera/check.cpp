@@ -43,7 +43,7 @@ struct Checked {
 };
 
 /// Why a single pair is refused, as `detect` has it, or else whether it shows things that are too near.
-std::vector<std::string> notes_on_single(const CalibratedRun& run, double nearest_m) {
+std::vector<std::string> notes_on_single(const CalibratedRun& run, const flies::NearEnd& near_end) {
   const auto& [left, right] = run.first();
   const flies::GrayPair images = run.usable(run.sample.front());
   try {
@@ -51,22 +51,22 @@ std::vector<std::string> notes_on_single(const CalibratedRun& run, double neares
   } catch (const flies::InputError& fault) {
     return {fault.what()};
   }
-  const auto near = flies::note_on_near_things(images.view(), run.calibration.camera, nearest_m);
+  const auto near = flies::note_on_near_things(images.view(), run.calibration.camera, near_end);
   return near ? std::vector{*near} : std::vector<std::string>{};
 }
 
 /// What is wrong with some pairs of a run, those that cannot be used included.
 std::vector<std::string> notes_on_each(const CalibratedRun& run) {
   const auto& camera = run.calibration.camera;
-  const double nearest_m = nearest_range_m(flies::fitted_options(camera, {}));
+  const flies::NearEnd near_end{nearest_range_m(flies::fitted_options(camera, {}))};
   const std::size_t count = std::min(kMostPairs, run.paths.size());
-  if (count < 2) return notes_on_single(run, nearest_m);
+  if (count < 2) return notes_on_single(run, near_end);
   flies::PairWatch watch;
   std::vector<std::string> faults;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = k * (run.paths.size() - 1) / (count - 1);
     try {
-      watch.look(run.usable(i).view(), camera, run.paths[i].left, nearest_m);
+      watch.look(run.usable(i).view(), camera, run.paths[i].left, near_end);
     } catch (const flies::InputError& fault) {
       faults.emplace_back(fault.what());
     }

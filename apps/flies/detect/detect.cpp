@@ -157,6 +157,7 @@ void run_detect(const DetectArguments& arguments) {
   ReadAhead<flies::GrayPair> ahead(pairs.size(), make_pair, options.threads != 1);
   std::vector<std::string> faults;
   flies::PairWatch watch;
+  const flies::NearEnd near_end{nearest_range_m(options), arguments.method.preset};
   std::optional<std::string> near;  // of a single pair
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     flies::FrameRecord record = nothing_found;
@@ -168,9 +169,9 @@ void run_detect(const DetectArguments& arguments) {
     try {
       images = ahead.next();
       if (is_single)
-        near = flies::note_on_near_things(images.view(), camera, nearest_range_m(options));
+        near = flies::note_on_near_things(images.view(), camera, near_end);
       else
-        watch.look(images.view(), camera, record.left, nearest_range_m(options));  // told at the end
+        watch.look(images.view(), camera, record.left, near_end);  // told at the end
       detection = detector.process(images.view());
       fill_in(record, *detection);
     } catch (const flies::InputError& fault) {  // costs this pair, not the others

@@ -253,7 +253,13 @@ void LiveRun::renew_worker_if_asked() {
 std::string LiveRun::fault_of(const LivePair& pair) {
   const flies::RectifiedPair images = pair.images.view();
   const auto& camera = calibration_->camera;
-  for (const auto& note : watch_.look(images, camera, pair.left_name, nearest_range_m(options()))) say(note);
+  std::shared_ptr<const Worker> worker;
+  {
+    const std::lock_guard lock(mutex_);
+    worker = worker_;
+  }
+  const flies::NearEnd near_end{nearest_range_m(*worker->options), worker->preset};
+  for (const auto& note : watch_.look(images, camera, pair.left_name, near_end)) say(note);
   if (!watch_.is_no_pair()) return {};
   try {
     flies::check_true_pair(images, camera, pair.left_name, pair.right_name);

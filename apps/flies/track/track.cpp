@@ -171,7 +171,7 @@ void run_track(TrackArguments arguments) {
     std::string fault;
     try {
       images = ahead.next();
-      say_notes(watch.look(images.view(), camera, frame.left, nearest_range_m(options)));
+      say_notes(watch.look(images.view(), camera, frame.left, {nearest_range_m(options), arguments.method.preset}));
       if (watch.is_no_pair()) flies::check_true_pair(images.view(), camera, frame.left, frame.right);
       frame.tracking = tracker.process(images.view(), source.times_s[i]);
     } catch (const flies::InputError& error) {  // costs this pair, not the others

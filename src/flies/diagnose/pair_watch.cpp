@@ -13,6 +13,7 @@ namespace {
 /// Of the parts of an image, those that must show something: as the diagnosis of a run has it.
 constexpr double kNothingTextured = 0.1;
 constexpr double kTexture_gray = 3.0;
+constexpr const char* kNearPreset = "robot";
 
 /// What is told of a kind of trouble, in the order of `PairTrouble`.
 struct Words {
@@ -37,10 +38,16 @@ constexpr Words kWords[kPairTroubles] = {
     {"both images are those of the pair before to the bit: do the cameras hang, or are pairs repeated?",
      "both images of the pair before"},
     {"something stands nearer than is looked at: it is not reported, or farther away than it is, and the directions "
-     "of the scan are unknown there (--field.x_min_m and --scan.x_min_m say from where on; --preset robot is for near "
-     "things)",
+     "of the scan are unknown there (--field.x_min_m and --scan.x_min_m say from where on",
      "something nearer than is looked at"},
 };
+
+/// What is told of it the first time.
+std::string first_words(PairTrouble trouble, const NearEnd& near) {
+  const std::string words = kWords[static_cast<std::size_t>(trouble)].first;
+  if (trouble != PairTrouble::too_near) return words;
+  return words + (near.preset == kNearPreset ? ")" : fmt::format("; --preset {} is for near things)", kNearPreset));
+}
 
 /// A sum over every 16th row that differs where the rows do.
 std::uint64_t sum_of_rows(const GrayView& image) {
@@ -96,9 +103,9 @@ bool shows_near_things(const RectifiedPair& pair, const StereoCamera& camera, do
 }  // namespace
 
 std::optional<std::string> note_on_near_things(const RectifiedPair& pair, const StereoCamera& camera,
-                                               double nearest_m) {
-  if (!shows_near_things(pair, camera, nearest_m)) return std::nullopt;
-  return kWords[static_cast<std::size_t>(PairTrouble::too_near)].first;
+                                               const NearEnd& near) {
+  if (!shows_near_things(pair, camera, near.range_m)) return std::nullopt;
+  return first_words(PairTrouble::too_near, near);
 }
 
 bool PairWatch::meet(PairTrouble trouble, const std::string& name) {
@@ -109,11 +116,10 @@ bool PairWatch::meet(PairTrouble trouble, const std::string& name) {
 }
 
 std::vector<std::string> PairWatch::look(const RectifiedPair& pair, const StereoCamera& camera, const std::string& name,
-                                         double nearest_m) {
+                                         const NearEnd& near) {
   std::vector<std::string> found;
   const auto tell = [&](PairTrouble trouble) {
-    if (meet(trouble, name))
-      found.push_back(fmt::format("{}: {}", name, kWords[static_cast<std::size_t>(trouble)].first));
+    if (meet(trouble, name)) found.push_back(fmt::format("{}: {}", name, first_words(trouble, near)));
   };
   ++pairs_;
   is_no_pair_ = false;
@@ -132,7 +138,7 @@ std::vector<std::string> PairWatch::look(const RectifiedPair& pair, const Stereo
   is_no_pair_ = order != PairOrder::good;
   if (is_no_pair_)
     tell(order == PairOrder::swapped ? PairTrouble::swapped : PairTrouble::unrelated);
-  else if (shows_near_things(pair, camera, nearest_m))
+  else if (shows_near_things(pair, camera, near.range_m))
     tell(PairTrouble::too_near);
   return found;
 }

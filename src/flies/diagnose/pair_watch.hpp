@@ -25,9 +25,16 @@ enum class PairTrouble {
 };
 inline constexpr std::size_t kPairTroubles = 8;
 
-/// What to say of a pair that shows something at less than this range, where nothing is looked for: it is not
-/// reported, or farther away than it is.
-std::optional<std::string> note_on_near_things(const RectifiedPair& pair, const StereoCamera& camera, double nearest_m);
+/// From where on things are looked for.
+struct NearEnd {
+  double range_m = 0.0;     ///< 0: any
+  std::string preset = {};  ///< of the options that say so: that for near things is not recommended to who has it
+};
+
+/// What to say of a pair that shows something nearer than that, where nothing is looked for: it is not reported, or
+/// farther away than it is.
+std::optional<std::string> note_on_near_things(const RectifiedPair& pair, const StereoCamera& camera,
+                                               const NearEnd& near);
 
 /// Looks at every pair of a run, as cheaply as can be (less than a millisecond), for what the diagnosis of a few pairs
 /// does not see: faults that begin, or come and go, while the run lasts.
@@ -35,10 +42,9 @@ class PairWatch {
  public:
   /// @param pair rectified, both images of one size, 64 x 48 px at least; the next one of the run
   /// @param name of the pair, in what is told
-  /// @param nearest_m range from which on things are looked for; 0: any
   /// @returns a sentence for each kind of trouble that is met for the first time
   std::vector<std::string> look(const RectifiedPair& pair, const StereoCamera& camera, const std::string& name,
-                                double nearest_m = 0.0);
+                                const NearEnd& near = {});
 
   /// Whether the pair that was looked at last is surely none: swapped, or of other scenes or moments. `check_true_pair`
   /// refuses it and says more; what is found in it stands nowhere.

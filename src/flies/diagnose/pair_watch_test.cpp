@@ -12,10 +12,12 @@
 namespace flies {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 StereoCamera camera() {
   return {.fx_px = 400,
@@ -95,14 +97,17 @@ TEST(PairWatch, TellsWhatIsNearerThanIsLookedAt) {
   StereoCamera high = camera();
   high.mount.height_m = 30.0;  // all that is seen stands far above the road
   const double range_m = high.fx_px * high.baseline_m / 10.0;
-  EXPECT_THAT(watch.look(pair.view(), high, "one", 0.7 * range_m), IsEmpty());
-  EXPECT_THAT(watch.look(pair.view(), high, "two", 1.5 * range_m),
+  EXPECT_THAT(watch.look(pair.view(), high, "one", {0.7 * range_m}), IsEmpty());
+  EXPECT_THAT(watch.look(pair.view(), high, "two", {1.5 * range_m}),
               Contains(HasSubstr("two: something stands nearer than is looked at")));
   EXPECT_THAT(watch.counts(), Contains("1 of 2 pairs: something nearer than is looked at; the first: two"));
-  EXPECT_TRUE(note_on_near_things(pair.view(), high, 1.5 * range_m).has_value());
-  EXPECT_FALSE(note_on_near_things(pair.view(), high, 0.7 * range_m).has_value());
+  EXPECT_TRUE(note_on_near_things(pair.view(), high, {1.5 * range_m}).has_value());
+  EXPECT_FALSE(note_on_near_things(pair.view(), high, {0.7 * range_m}).has_value());
+  EXPECT_THAT(*note_on_near_things(pair.view(), high, {1.5 * range_m, "default"}), HasSubstr("--preset robot is for"));
+  EXPECT_THAT(*note_on_near_things(pair.view(), high, {1.5 * range_m, "robot"}),
+              AllOf(HasSubstr("say from where on)"), Not(HasSubstr("--preset"))));
   high.mount.height_m = 1.5;  // the road is as near where it is seen
-  EXPECT_FALSE(note_on_near_things(pair.view(), high, 1.5 * range_m).has_value());
+  EXPECT_FALSE(note_on_near_things(pair.view(), high, {1.5 * range_m}).has_value());
 }
 
 }  // namespace
