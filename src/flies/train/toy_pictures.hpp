@@ -14,9 +14,12 @@ namespace flies::testing {
 inline cv::Mat toy_background(int width_px, int height_px, int number) {
   cv::RNG random(static_cast<std::uint64_t>(number) + 1);
   cv::Mat picture(height_px, width_px, CV_8U, cv::Scalar(110));
-  for (int i = 0; i < 12; ++i)
-    cv::line(picture, {random.uniform(0, width_px), random.uniform(0, height_px)},
-             {random.uniform(0, width_px), random.uniform(0, height_px)}, cv::Scalar(random.uniform(40, 220)), 4);
+  for (int i = 0; i < 12; ++i) {
+    const cv::Scalar level(random.uniform(40, 220));
+    const cv::Point to{random.uniform(0, width_px), random.uniform(0, height_px)};
+    const cv::Point from{random.uniform(0, width_px), random.uniform(0, height_px)};
+    cv::line(picture, from, to, level, 4);
+  }
   cv::Mat noise(picture.size(), CV_8U);
   random.fill(noise, cv::RNG::UNIFORM, 0, 20);
   return picture + noise;

@@ -94,7 +94,8 @@ std::vector<TrainingWindow> windows_without_people(const TrainingPicture& pictur
     WindowSampling sampling;
     sampling.min_height_px = options.negatives.min_height_px;
     // Another seed in every round gives other places.
-    sampling.seed = static_cast<std::uint64_t>(places.bits()) << 32 | places.bits();
+    const std::uint64_t high = places.bits(), low = places.bits();
+    sampling.seed = high << 32 | low;
     boxes = draw_windows(width_px, height_px, count, sampling, index);
   }
   std::vector<TrainingWindow> windows;

@@ -3,9 +3,14 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "flies/core/mat_view.hpp"
+#include "flies/core/random.hpp"
 #include "flies/eval/people.hpp"
+#include "flies/eval/window_data.hpp"
 #include "flies/train/toy_pictures.hpp"
 
 namespace flies {
@@ -61,6 +66,27 @@ TEST(WindowsWithoutPeople, DifferByRoundAndNotByCall) {
   const auto once = windows_without_people(picture, 200, 160, 0, 1, 10, options);
   EXPECT_EQ(once, windows_without_people(picture, 200, 160, 0, 1, 10, options));
   EXPECT_NE(once, windows_without_people(picture, 200, 160, 0, 2, 10, options));
+}
+
+// The order of the two draws is part of what a seed means: models of old are trained again with the same bytes.
+TEST(WindowsWithoutPeople, AreDrawnFromTheFirstBitsAndThenTheNext) {
+  constexpr std::uint32_t kPlaces = 0x7262, kRound = 1, kPicture = 4;
+  TrainOptions options;
+  FlyRandom random(options.seed, kPlaces, kRound, kPicture);
+  WindowSampling sampling;
+  sampling.min_height_px = options.negatives.min_height_px;
+  sampling.seed = random.bits();
+  sampling.seed = sampling.seed << 32 | random.bits();
+  std::vector<ImageBox> boxes;
+  for (const auto& window : windows_without_people({}, 200, 160, kPicture, kRound, 5, options))
+    boxes.push_back(window.window);
+  const auto expected = draw_windows(200, 160, 5, sampling, kPicture);
+  ASSERT_EQ(boxes.size(), expected.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    EXPECT_EQ(boxes[i].u_px, expected[i].u_px);
+    EXPECT_EQ(boxes[i].v_px, expected[i].v_px);
+    EXPECT_EQ(boxes[i].height_px, expected[i].height_px);
+  }
 }
 
 TEST(WindowsWithoutPeople, AreProposalsWhereThereAre) {
