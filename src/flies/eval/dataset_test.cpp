@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
@@ -148,6 +149,19 @@ TEST(OpenDataset, ReadsTimesIdentitiesAndMotionOfADrawnSequence) {
   EXPECT_NEAR(seen.x_m, 7.0 * std::cos(0.1), 1e-9);
   EXPECT_NEAR(seen.y_m, -7.0 * std::sin(0.1), 1e-9);
   EXPECT_EQ(dataset.load(1).truth.objects[0].track, 7);
+}
+
+TEST(OpenDataset, ReadsASmallTurnWhereTheHeadingPassesHalfATurn) {
+  const Folder folder;
+  folder.add("calib.yaml", kCalibration);
+  for (const int i : {1, 2, 3}) folder.add_scene(i);
+  folder.add("times.txt", "0\n0.5\n1\n");
+  folder.add("truth/1.json", truth_at(0.0, 0.0, 3.12));
+  folder.add("truth/2.json", truth_at(0.5, 3.0, 3.12 + 0.1 - 2.0 * std::numbers::pi));
+  folder.add("truth/3.json", truth_at(1.0, 6.0, 3.12));
+  const Dataset dataset = open_dataset(folder.path());
+  EXPECT_NEAR(dataset.true_ego[1].yaw_rate_rps, 0.2, 1e-9);
+  EXPECT_NEAR(dataset.true_ego[2].yaw_rate_rps, -0.2, 1e-9);
 }
 
 TEST(OpenDataset, RefusesADrawnSequenceWhoseTimesStand) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <utility>
 
@@ -24,7 +25,8 @@ EgoMotion motion_between(const VehicleMoment& from, const VehicleMoment& to) {
   EgoMotion motion;
   motion.is_known = true;
   motion.dt_s = to.time_s - from.time_s;
-  const double turn_rad = to.yaw_rad - from.yaw_rad;
+  const double turn_rad =
+      std::remainder(to.yaw_rad - from.yaw_rad, 2.0 * std::numbers::pi);  // a heading may be wrapped
   const double c = std::cos(to.yaw_rad), s = std::sin(to.yaw_rad);
   const double dx_m = to.x_m - from.x_m, dy_m = to.y_m - from.y_m;  // in the frame of the poses, then in that of `to`
   const double forward_m = c * dx_m + s * dy_m, left_m = -s * dx_m + c * dy_m;
