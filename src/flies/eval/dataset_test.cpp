@@ -171,8 +171,40 @@ TEST(OpenDataset, RefusesADrawnSequenceWhoseTimesStand) {
   folder.add("times.txt", "0\n0.5\n");
   folder.add("truth/1.json", truth_at(0.5, 0.0, 0.0));
   EXPECT_THAT(error_of([&] { open_dataset(folder.path()); }), HasSubstr("2.json: time_s: found none"));
+  folder.add("truth/2.json", R"({"time_s": 0.5, "objects": []})");
+  EXPECT_THAT(error_of([&] { open_dataset(folder.path()); }), HasSubstr("2.json: pose: found none"));
   folder.add("truth/2.json", truth_at(0.5, 3.0, 0.0));
   EXPECT_THAT(error_of([&] { open_dataset(folder.path()); }), HasSubstr("2.json: time_s: is not after"));
+}
+
+/// The truth of a pair of a sequence with two cars, each with this key and value.
+std::string truth_of_two(const std::string& first, const std::string& second) {
+  const std::string car = R"("class": "car", "x_m": 12, "y_m": 1, "length_m": 4, "width_m": 2, "height_m": 1.5)";
+  return R"({"time_s": 0.5, "pose": {"x_m": 1, "y_m": 0, "yaw_rad": 0}, "objects": [{)" + first + car + "}, {" +
+         second + car + "}]}";
+}
+
+TEST(OpenDataset, AsksForANumberOfItsOwnForEachObjectOfASequence) {
+  const Folder folder;
+  folder.add("calib.yaml", kCalibration);
+  folder.add_scene(1);
+  folder.add("truth/1.json", truth_of_two("", R"("id": 0, )"));
+  EXPECT_EQ(open_dataset(folder.path()).load(0).truth.objects.size(), 2u) << "pairs by themselves need none";
+  folder.add("times.txt", "0.5\n");
+  const auto complaint = [&](const std::string& first, const std::string& second) {
+    folder.add("truth/1.json", truth_of_two(first, second));
+    return error_of([&] { open_dataset(folder.path()); });
+  };
+  EXPECT_THAT(complaint(R"("id": 4, )", ""), HasSubstr("1.json: objects[1].id: found none, expected"));
+  EXPECT_THAT(complaint(R"("id": 4, )", R"("id": 4, )"),
+              HasSubstr("objects[1].id: found 4, which is that of objects[0]"));
+  EXPECT_THAT(complaint(R"("id": 4.5, )", R"("id": 4, )"),
+              HasSubstr("objects[0].id: found 4.5, expected a whole number"));
+  EXPECT_THAT(complaint(R"("id": 4, )", R"("id": -1, )"),
+              HasSubstr("objects[1].id: found -1, expected a whole number"));
+  EXPECT_THAT(complaint(R"("id": 3000000000, )", R"("id": 1, )"), HasSubstr("objects[0].id: found 3000000000"));
+  folder.add("truth/1.json", truth_of_two(R"("id": 4, )", R"("id": 0, )"));
+  EXPECT_EQ(open_dataset(folder.path()).load(0).truth.objects[0].track, 4);
 }
 
 TEST(OpenDataset, AsksForATruthAPair) {

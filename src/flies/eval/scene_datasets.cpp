@@ -44,8 +44,7 @@ void add_moments(const fs::path& folder, Dataset& dataset) {
   std::optional<VehicleMoment> before;
   for (const auto& pair : dataset.pairs) {
     const fs::path file = folder / "truth" / (detail::stem_of(pair.left) + ".json");
-    const auto moment = read_scene_truth(file).moment;
-    if (!moment) throw InputError(file.string(), "time_s", "found none, expected one in each file of a sequence");
+    const auto moment = read_scene_truth(file, SceneUse::in_sequence).moment;
     if (before && moment->time_s <= before->time_s)
       throw InputError(file.string(), "time_s", "is not after that of the pair before");
     dataset.times_s.push_back(moment->time_s);
@@ -101,10 +100,11 @@ Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
   add_scene_files(folder, dataset);
   const auto camera_of = camera_of_scenes(folder, request, dataset);
   if (detail::is_there(folder / "times.txt")) add_moments(folder, dataset);
-  dataset.load = [folder, camera_of, pairs = dataset.pairs](std::size_t i) {
+  const SceneUse use = dataset.is_sequence ? SceneUse::in_sequence : SceneUse::alone;
+  dataset.load = [folder, camera_of, use, pairs = dataset.pairs](std::size_t i) {
     const std::string name = detail::stem_of(pairs[i].left);
     StereoCamera camera = camera_of(name);
-    TruthFrame frame{load_images(pairs[i], camera), {}, read_scene_truth(folder / "truth" / (name + ".json"))};
+    TruthFrame frame{load_images(pairs[i], camera), {}, read_scene_truth(folder / "truth" / (name + ".json"), use)};
     camera.width_px = frame.images.left.width_px;
     camera.height_px = frame.images.left.height_px;
     frame.camera = camera;

@@ -1,5 +1,6 @@
 #include "flies/eval/truth.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,7 +8,9 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <numbers>
+#include <string>
 
 #include "flies/core/error.hpp"
 #include "flies/eval/foot_truth.hpp"
@@ -182,6 +185,25 @@ TEST(ParseSceneTruth, NamesFileAndObject) {
   EXPECT_THAT(complaint([] { parse_scene_truth("[1]", "s.json"); }), testing::HasSubstr("s.json: objects"));
   EXPECT_THAT(complaint([] { parse_scene_truth(R"({"objects": [{"class": "car"}]})", "s.json"); }),
               testing::HasSubstr("s.json: objects[0].x_m"));
+}
+
+TEST(ParseSceneTruth, RefusesWhatNoObjectCanBe) {
+  const auto complaint_of = [](const std::string& key, const std::string& value) {
+    std::map<std::string, std::string> numbers = {
+        {"x_m", "9"}, {"y_m", "0"}, {"length_m", "1"}, {"width_m", "1"}, {"height_m", "1"}};
+    numbers[key] = value;
+    std::string object = R"("class": "car")";
+    for (const auto& [name, number] : numbers) object += ", \"" + name + "\": " + number;
+    return complaint([&] { parse_scene_truth("{\"objects\": [{" + object + "}]}", "s.json"); });
+  };
+  for (const char* size : {"length_m", "width_m", "height_m", "visible_px"})
+    EXPECT_EQ(complaint_of(size, "-1"), fmt::format("s.json: objects[0].{}: found -1, expected a number from 0", size));
+  for (const char* share : {"occlusion", "truncation"})
+    for (const char* value : {"2", "-0.5"})
+      EXPECT_EQ(complaint_of(share, value),
+                fmt::format("s.json: objects[0].{}: found {}, expected a number from 0 to 1", share, value));
+  EXPECT_THAT(complaint_of("id", "0.5"), testing::HasSubstr("s.json: objects[0].id: found 0.5"));
+  for (const char* share : {"0", "1"}) EXPECT_EQ(complaint_of("occlusion", share), "nothing was thrown");
 }
 
 // Numbers that fit into a double and into nothing else.
