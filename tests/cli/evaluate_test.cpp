@@ -268,6 +268,16 @@ TEST_F(Evaluate, ReadsWhatDetectWrote) {
   EXPECT_EQ(method(json::parse(result.out), 0).at("all").at("recall").at("median"), 1.0);
 }
 
+TEST_F(Evaluate, SaysThatLinesWithAnErrorCountAsNothingFound) {
+  write_text(folder.path() / "d.jsonl",
+             "{\"obstacles\": [{\"x_m\": 10.4, \"y_m\": 1}]}\n{\"obstacles\": [], \"error\": \"b.png: is empty\"}\n");
+  const RunResult result = run_flies(folder.path(), evaluate({"--detections", "d.jsonl", "--json", "-"}));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const std::string note = "d.jsonl: 1 of 2 lines says that the pair could not be used; it counts as nothing found";
+  EXPECT_THAT(result.err, HasSubstr(note));
+  EXPECT_THAT(json::parse(result.out).at("notes").dump(), HasSubstr(note));
+}
+
 TEST_F(Evaluate, RepeatsItselfButForTheTimes) {
   const auto measures = [&] {
     json evaluation = json::parse(run_flies(folder.path(), evaluate({"--json", "-"})).out);

@@ -116,7 +116,7 @@ flies::Method yardstick(const std::string& name, const flies::DetectorOptions& o
 }
 
 std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const flies::DetectorOptions& options,
-                                      const flies::Dataset& dataset) {
+                                      flies::Dataset& dataset) {
   const auto classifier = classifier_of(arguments.method);
   std::vector<flies::Method> methods;
   if (arguments.detections.empty()) {
@@ -124,8 +124,10 @@ std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const 
                                           dataset.is_sequence, measuring_of(arguments)));
   } else {
     std::vector<std::vector<flies::ReportedFrame>> runs;
-    for (const auto& file : arguments.detections)
+    for (const auto& file : arguments.detections) {
       runs.push_back(flies::match_detections(flies::read_detections(file), dataset.pairs, file));
+      if (auto note = flies::note_on_unusable(runs.back(), file)) dataset.notes.push_back(std::move(*note));
+    }
     methods.push_back(flies::reported_method("reported", std::move(runs)));
   }
   for (const auto& name : arguments.yardsticks)
@@ -220,8 +222,8 @@ void run_evaluate(const EvaluateArguments& arguments) {
   const auto frames = frames_of(arguments, dataset.pairs.size());
   const bool follows = wants_sequence(arguments, dataset);
   look_at_images(arguments, frames, dataset);
-  context.notes = dataset.notes;
   const auto methods = methods_of(arguments, context.options, dataset);
+  context.notes = dataset.notes;
   std::optional<flies::OutputFile> json;
   if (!arguments.json.empty()) json.emplace(arguments.json);
 

@@ -157,6 +157,8 @@ ReportedFrame frame_of(const json& record, const std::string& source, int line) 
     if (!found->is_string()) place.fail("left", fmt::format("found {}, expected a file name", found->type_name()));
     frame.left = found->get<std::string>();
   }
+  if (const auto error = record.find("error"); error != record.end() && error->is_string())
+    frame.is_unusable = !error->get_ref<const std::string&>().empty();
   const auto obstacles = record.find("obstacles");
   if (obstacles == record.end() || !obstacles->is_array()) place.fail("obstacles", "found none, expected a list");
   for (const auto& entry : *obstacles)
@@ -202,6 +204,13 @@ std::vector<ReportedFrame> parse_detections(std::string_view text, const std::st
 
 std::vector<ReportedFrame> read_detections(const std::string& path) {
   return parse_detections(detail::read_truth(path), path);
+}
+
+std::optional<std::string> note_on_unusable(const std::vector<ReportedFrame>& reported, const std::string& source) {
+  const auto unusable = std::ranges::count_if(reported, &ReportedFrame::is_unusable);
+  if (unusable == 0) return std::nullopt;
+  return fmt::format("{}: {} of {} lines {} that the pair could not be used; {} as nothing found", source, unusable,
+                     reported.size(), unusable == 1 ? "says" : "say", unusable == 1 ? "it counts" : "they count");
 }
 
 std::vector<ReportedFrame> match_detections(std::vector<ReportedFrame> reported, const std::vector<PairPaths>& pairs,

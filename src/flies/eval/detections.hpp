@@ -15,7 +15,8 @@ namespace flies {
 struct ReportedFrame {
   int line = 0;  ///< of the file, from 1
   std::optional<int> frame;
-  std::string left;  ///< empty when the line does not say
+  std::string left;          ///< empty when the line does not say
+  bool is_unusable = false;  ///< the line has an "error": its program could not use the pair, and found nothing in it
   std::vector<Obstacle> obstacles;
   std::optional<std::vector<Pedestrian>> pedestrians;  ///< nothing when the line has no such list
   std::optional<Scan> scan;                            ///< nothing when the line has none
@@ -28,7 +29,8 @@ struct ReportedFrame {
 /// entries need "probability" (else "score", any number that grows with it) and "box" ("u_px", "v_px", "width_px",
 /// "height_px") too, for they are matched in the image. "scan" is an object as `flies detect --json` writes it: needed
 /// are "angle_min_rad", "angle_increment_rad", "states" (a letter a sector: o, f or u) and "ranges_m" (a number where
-/// the state is o); "free_m" and "confidence" may be left out. Further keys are ignored, and so are empty lines.
+/// the state is o); "free_m" and "confidence" may be left out. An "error", as `flies detect` and `flies track` write
+/// it, says why a pair could not be used. Further keys are ignored, and so are empty lines.
 /// @param source file name, for errors
 /// @throws InputError naming the line and the key on malformed JSON, a missing key, a value of another type or a
 ///         position that is not finite
@@ -37,6 +39,10 @@ std::vector<ReportedFrame> parse_detections(std::string_view text, const std::st
 /// The same from a file.
 /// @throws InputError also when it cannot be read
 std::vector<ReportedFrame> read_detections(const std::string& path);
+
+/// A sentence on the lines that say that their pair could not be used; nothing when there are none.
+/// @param source file name
+std::optional<std::string> note_on_unusable(const std::vector<ReportedFrame>& reported, const std::string& source);
 
 /// Puts the reports into the order of the pairs: by the name of the left image where every line has one, else by
 /// "frame" (the pair's index, from 0) where every line has one, else in the order of the lines.

@@ -41,6 +41,18 @@ TEST(ParseDetections, RefusesLinesThatAreNoResultOfAPair) {
   EXPECT_EQ(parse_complaint(line), "d.jsonl: line 2: has more than 16 MB, expected the result of one pair");
 }
 
+TEST(NoteOnUnusable, CountsLinesThatSayThatThePairCouldNotBeUsed) {
+  const std::string found = "{\"obstacles\": []}\n", failed = "{\"obstacles\": [], \"error\": \"a.png: is empty\"}\n";
+  const auto note = [](const std::string& text) {
+    return note_on_unusable(parse_detections(text, "d.jsonl"), "d.jsonl");
+  };
+  EXPECT_EQ(note(found + failed + failed),
+            "d.jsonl: 2 of 3 lines say that the pair could not be used; they count as nothing found");
+  EXPECT_EQ(note(found + failed),
+            "d.jsonl: 1 of 2 lines says that the pair could not be used; it counts as nothing found");
+  EXPECT_EQ(note(found + "{\"obstacles\": [], \"error\": null}\n"), std::nullopt);
+}
+
 TEST(ParseDetections, ReadsWhatFliesDetectWrites) {
   FrameRecord record;
   record.frame = 3;
