@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "flies/core/planar_motion.hpp"
 #include "flies/core/random.hpp"
 #include "flies/core/stereo_camera.hpp"
+#include "flies/core/waiting.hpp"
 
 namespace flies {
 namespace {
@@ -327,3 +329,16 @@ TEST(RangeDeviation, GrowsWithTheSquareOfTheRangeAndIsInverted) {
 
 }  // namespace
 }  // namespace flies
+TEST(BoundedWait, OverflowsNoClock) {
+  using namespace std::chrono_literals;
+  const auto now = std::chrono::steady_clock::now();
+  EXPECT_GT(now + detail::bounded_wait(std::chrono::milliseconds::max()), now + 24h);
+  EXPECT_GT(now + detail::bounded_wait(std::chrono::hours::max()), now + 24h);
+  EXPECT_GT(now + detail::bounded_wait(std::chrono::duration<double>(1e300)), now + 24h);
+  EXPECT_EQ(detail::bounded_wait(250ms), 250ms);
+  EXPECT_EQ(detail::bounded_wait(0ms), 0ms);
+  for (const auto nothing : {-1.0, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_EQ(detail::bounded_wait(std::chrono::duration<double>(nothing)), 0ms) << nothing;
+  EXPECT_EQ(detail::bounded_wait(std::chrono::milliseconds::min()), 0ms);
+}
+

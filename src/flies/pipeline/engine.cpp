@@ -17,6 +17,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/usable_pair.hpp"
+#include "flies/core/waiting.hpp"
 
 namespace flies {
 namespace {
@@ -163,13 +164,13 @@ std::shared_ptr<const Snapshot> Engine::snapshot() const { return state_->snapsh
 
 std::shared_ptr<const Snapshot> Engine::wait(std::uint64_t after, std::chrono::milliseconds timeout) const {
   std::unique_lock lock(state_->mutex);
-  state_->result_came.wait_for(lock, timeout, [&] { return state_->newest->number > after; });
+  state_->result_came.wait_for(lock, detail::bounded_wait(timeout), [&] { return state_->newest->number > after; });
   return state_->newest;
 }
 
 std::shared_ptr<const Snapshot> Engine::wait_for_next(std::uint64_t after, std::chrono::milliseconds timeout) const {
   std::unique_lock lock(state_->mutex);
-  state_->result_came.wait_for(lock, timeout, [&] { return state_->newest->number > after; });
+  state_->result_came.wait_for(lock, detail::bounded_wait(timeout), [&] { return state_->newest->number > after; });
   const auto next = std::ranges::find_if(state_->kept, [&](const auto& result) { return result->number > after; });
   return next == state_->kept.end() ? state_->newest : *next;
 }

@@ -53,6 +53,7 @@ class Engine {
   std::shared_ptr<const Snapshot> snapshot() const;
 
   /// Waits for a result newer than number `after`.
+  /// @param timeout `milliseconds::max()` waits for ever, in truth for a year; 0 or less not at all
   /// @returns it, or the newest there is when the timeout comes first
   std::shared_ptr<const Snapshot> wait(std::uint64_t after, std::chrono::milliseconds timeout) const;
 

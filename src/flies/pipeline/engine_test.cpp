@@ -73,6 +73,14 @@ TEST(Engine, KnowsNothingBeforeItsFirstPair) {
   EXPECT_EQ(engine.wait(0, 1ms)->number, 0U);
 }
 
+TEST(Engine, WaitsForAResultHoweverLongItMay) {
+  Engine engine(camera(), few_flies(), {}, nullptr);
+  engine.submit(Wall(10).pair(), 0.0);
+  EXPECT_EQ(engine.wait(0, std::chrono::milliseconds::max())->number, 1U);
+  engine.submit(Wall(11).pair(), 0.1);
+  EXPECT_EQ(engine.wait_for_next(1, std::chrono::milliseconds::max())->number, 2U);
+}
+
 TEST(Engine, NothingHasAnAgeUntilAPairCouldBeUsed) {
   Engine engine(camera(), few_flies(), {}, nullptr);
   const Wall wall(10);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/waiting.hpp"
 #include "flies/io/folder.hpp"
 #include "flies/video/lazy_module.hpp"
 
@@ -45,7 +46,8 @@ std::unique_ptr<Capture> open_in_time(OpenCaptureFunction open, const CaptureReq
     promise->set_value(std::unique_ptr<Capture>(open(request, kind)));
     if (state->exchange(State::done) == State::abandoned) --abandoned_openings;
   }).detach();
-  if (opened.wait_for(std::chrono::duration<double>(request.patience_s)) == std::future_status::ready)
+  if (opened.wait_for(detail::bounded_wait(std::chrono::duration<double>(request.patience_s))) ==
+      std::future_status::ready)
     return opened.get();
   ++abandoned_openings;
   if (state->exchange(State::abandoned) == State::done) {

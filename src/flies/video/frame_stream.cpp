@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/waiting.hpp"
 
 namespace flies {
 namespace {
@@ -73,7 +74,7 @@ struct FrameStream::State {
   /// @returns false when it is time to end
   bool pause(int mine, double seconds) {
     std::unique_lock lock(mutex);
-    return !taken.wait_for(lock, duration(seconds), [&] { return is_over(mine); });
+    return !taken.wait_for(lock, detail::bounded_wait(Seconds(seconds)), [&] { return is_over(mine); });
   }
 
   void lose(std::unique_lock<std::mutex>& lock, const std::string& what) {
@@ -339,7 +340,8 @@ FrameStream::~FrameStream() {
 
 FrameStream::Answer FrameStream::next(SourceFrame& frame, std::chrono::milliseconds timeout) {
   std::unique_lock lock(state_->mutex);
-  state_->came.wait_for(lock, timeout, [&] { return !state_->waiting.empty() || state_->has_ended; });
+  state_->came.wait_for(lock, detail::bounded_wait(timeout),
+                        [&] { return !state_->waiting.empty() || state_->has_ended; });
   if (!state_->waiting.empty()) {
     frame = std::move(state_->waiting.front());
     frame.skipped = state_->counts.skipped;  // the oldest go first: all of them came before

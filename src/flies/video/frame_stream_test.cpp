@@ -209,6 +209,18 @@ TEST(FrameStream, LossesInARowAreToldOnce) {
   EXPECT_EQ(std::count(sentences.begin(), sentences.end(), "toy: is back"), 1);
 }
 
+TEST(FrameStream, WaitsForAFrameHoweverLongItMay) {
+  Told told;
+  const auto late = [] {
+    auto reader = std::make_unique<ToyReader>(7, 8);
+    reader->pace = 100ms;
+    return reader;
+  };
+  FrameStream stream(late, {.name = "toy", .is_living = true}, told.tell(), std::chrono::steady_clock::now());
+  SourceFrame frame;
+  EXPECT_EQ(stream.next(frame, std::chrono::milliseconds::max()), FrameStream::Answer::frame);
+}
+
 TEST(FrameStream, StuckSourceIsOpenedBesideAndEndsAtOnce) {
   Told told;
   std::atomic<int> opened = 0;

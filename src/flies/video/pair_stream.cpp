@@ -9,6 +9,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/quantile.hpp"
+#include "flies/core/waiting.hpp"
 #include "flies/video/pair_folder.hpp"
 
 namespace flies {
@@ -164,7 +165,7 @@ Answer PairStream::next_of_one(StereoFrame& frame, std::chrono::milliseconds tim
 }
 
 Answer PairStream::next_of_two(StereoFrame& frame, std::chrono::milliseconds timeout) {
-  const auto until = std::chrono::steady_clock::now() + timeout;
+  const auto until = std::chrono::steady_clock::now() + detail::bounded_wait(timeout);
   const auto fill = [&](FrameStream& stream, std::optional<SourceFrame>& place) {
     if (place) return Answer::frame;
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
