@@ -20,6 +20,8 @@ constexpr double kMaxPersonLogOdds = 6.0;
 constexpr double kNoPersonLogOdds = -0.4;  // the classifier misses some: one silence says little
 constexpr double kMaxVerdict = 0.95;       // of one look at a person
 constexpr double kMinDepth_m = 0.1;
+/// After a longer step anything that moves may be anywhere in view.
+constexpr double kLongStep_s = 2.0;
 constexpr double kMinHidden = 0.5;  // share of its width behind nearer things that hides a track
 constexpr double kHidingDistance_m = 1.0;
 constexpr double kSizeGain = 0.25;  // of the newest sighting in the size
@@ -55,6 +57,15 @@ bool are_of_one_thing(const Track& a, const Track& b) {
   const double variance =
       a.state.covariance[2][2] + a.state.covariance[3][3] + b.state.covariance[2][2] + b.state.covariance[3][3];
   return 2.0 * (dvx * dvx + dvy * dvy) <= kSameThingVelocity * variance;
+}
+
+/// The state of a thing that went on just as it did: stood still, or moved by its velocity where it is known to move.
+GroundState went_on(const Track& track, bool is_known_to_move) {
+  GroundState state = track.state;
+  if (!is_known_to_move) state.vx_mps = state.vy_mps = 0.0;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 2; j < 4; ++j) state.covariance[i][j] = state.covariance[j][i] = 0.0;
+  return state;
 }
 
 /// Bearings that something covers, as y over x.
@@ -137,14 +148,48 @@ std::optional<ImageBox> TrackKeeper::predicted_box(const Track& track) const {
   return ImageBox{foot.u_px - width_px / 2, head.v_px, width_px, foot.v_px - head.v_px};
 }
 
-void TrackKeeper::predict_all(const EgoMotion& ego) {
+bool TrackKeeper::is_known_to_move(const Track& track) const {
+  return track.moving_sightings >= options_.moving_sightings;
+}
+
+std::vector<GroundState> TrackKeeper::predict_all(const EgoMotion& ego) {
+  const bool is_long = ego.dt_s > kLongStep_s;
+  std::vector<Track> kept;
+  std::vector<GroundState> expected;
   for (auto& track : tracks_) {
+    // What the pair before shows may be seen in this one, however much later that is.
+    if (track.unseen_s > 0.0 && track.unseen_s + ego.dt_s > options_.max_coast_s) continue;
+    const GroundState steady = is_long ? predict(went_on(track, is_known_to_move(track)), ego, 0.0) : GroundState{};
     const bool is_person = track.kind == TrackClass::person;
     track.state = predict(track.state, ego, is_person ? options_.person_acceleration_mps2 : options_.acceleration_mps2);
     track.age_s += ego.dt_s;
     track.unseen_s += ego.dt_s;
+    if (!is_long && !is_in_view(track)) continue;
+    expected.push_back(is_long ? steady : track.state);
+    kept.push_back(std::move(track));
   }
-  std::erase_if(tracks_, [&](const Track& t) { return !is_in_view(t) || t.unseen_s > options_.max_coast_s; });
+  tracks_ = std::move(kept);
+  return expected;
+}
+
+std::vector<int> TrackKeeper::assign(std::span<const GroundState> expected, std::span<const Sighting> sightings) const {
+  std::vector<double> costs(expected.size() * sightings.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> alone_costs(expected.size(), 0.0);
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    for (std::size_t j = 0; j < sightings.size(); ++j) {
+      const Innovation found = innovation(expected[i], measured(sightings[j]));
+      if (!(found.squared_distance < options_.gate)) continue;
+      // A new track's covariance is wide: the determinant keeps it from taking the sightings of old ones.
+      costs[i * sightings.size() + j] = found.squared_distance + found.log_determinant;
+      alone_costs[i] = options_.gate + found.log_determinant;
+    }
+  }
+  return assign_optimally(costs, expected.size(), sightings.size(), alone_costs);
+}
+
+bool TrackKeeper::has_ended(const Track& track) const {
+  if (track.probability < std::min(options_.min_probability, kLeastAlive)) return true;
+  return track.unseen_s > 0.0 && (track.unseen_s > options_.max_coast_s || !is_in_view(track));
 }
 
 /// The median velocity of the corners on a thing: in its box and near its range, so not on what is behind.
@@ -241,7 +286,7 @@ void TrackKeeper::judge_motion(Track& track) const {
     constexpr double kMoves = 0.5;
     track.moving_sightings = track.velocity.moving_probability > kMoves ? track.moving_sightings + 1 : 0;
   }
-  if (track.moving_sightings < options_.moving_sightings) track.velocity.vx_mps = track.velocity.vy_mps = 0.0;
+  if (!is_known_to_move(track)) track.velocity.vx_mps = track.velocity.vy_mps = 0.0;
 }
 
 /// Two sightings of one thing start two tracks; once only one of them is seen, the older number goes on with its state.
@@ -267,20 +312,8 @@ std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sight
   std::vector<Sighting> sightings;
   std::ranges::copy_if(given, std::back_inserter(sightings), is_usable);
   if (!ego.is_known) tracks_.clear();
-  predict_all(ego);
-
-  std::vector<double> costs(tracks_.size() * sightings.size(), std::numeric_limits<double>::infinity());
-  std::vector<double> alone_costs(tracks_.size(), 0.0);
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    for (std::size_t j = 0; j < sightings.size(); ++j) {
-      const Innovation found = innovation(tracks_[i].state, measured(sightings[j]));
-      if (!(found.squared_distance < options_.gate)) continue;
-      // A new track's covariance is wide: the determinant keeps it from taking the sightings of old ones.
-      costs[i * sightings.size() + j] = found.squared_distance + found.log_determinant;
-      alone_costs[i] = options_.gate + found.log_determinant;
-    }
-  }
-  const auto assigned = assign_optimally(costs, tracks_.size(), sightings.size(), alone_costs);
+  const auto expected = predict_all(ego);
+  const auto assigned = assign(expected, sightings);
 
   std::vector<bool> taken(sightings.size(), false);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
@@ -292,8 +325,7 @@ std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sight
     taken[j] = true;
     see(tracks_[i], sightings[j], ego);
   }
-  const double least = std::min(options_.min_probability, kLeastAlive);
-  std::erase_if(tracks_, [&](const Track& t) { return t.probability < least; });
+  std::erase_if(tracks_, [&](const Track& t) { return has_ended(t); });
   for (std::size_t j = 0; j < sightings.size(); ++j)
     if (!taken[j]) tracks_.push_back(start(sightings[j], ego));
   join_doubles();

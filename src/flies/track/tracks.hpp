@@ -101,8 +101,9 @@ struct Track {
 };
 
 /// Follows things from pair to pair: constant velocity over ground, optimal assignment, a probability that each exists.
-/// Tracks that nobody sees coast on; behind something nearer they do so for long. When the camera's motion is lost
-/// (also at a cut) all tracks end, because nothing says where they went. Threads: one at a time.
+/// Tracks that nobody sees coast on; behind something nearer they do so for long. After a step of more than 2 s only
+/// what went on as it was, standing or known to move, is taken for the same; all else starts anew. When the camera's
+/// motion is lost (also at a cut) all tracks end, because nothing says where they went. Threads: one at a time.
 class TrackKeeper {
  public:
   /// @throws InputError when the camera or an option is out of range
@@ -117,7 +118,12 @@ class TrackKeeper {
  private:
   GroundPosition measured(const Sighting& sighting) const;
   Track reported(const Track& track) const;
-  void predict_all(const EgoMotion& ego);
+  /// @returns where each track is looked for: where it is predicted, and after a long step where it went on as before
+  std::vector<GroundState> predict_all(const EgoMotion& ego);
+  /// @returns the sighting of each track, -1 where it has none
+  std::vector<int> assign(std::span<const GroundState> expected, std::span<const Sighting> sightings) const;
+  bool is_known_to_move(const Track& track) const;
+  bool has_ended(const Track& track) const;
   /// Above the road, between its foot and its head.
   Point3 point_on(const Track& track, double share_of_height) const;
   bool is_in_view(const Track& track) const;
