@@ -316,6 +316,15 @@ TEST(PlanarMotion, TakesPointsForthAndBack) {
   EXPECT_EQ(back.z_m, before.z_m);
 }
 
+TEST(PlanarMotion, OneAfterTheOtherIsOne) {
+  const PlanarMotion first{1.0, 0.5, 0.4}, second{2.0, -0.3, -0.9};
+  const Point3 point{7.0, 2.0, 1.2};
+  const Point3 step_by_step = second.now(first.now(point)), at_once = first.then(second).now(point);
+  EXPECT_NEAR(at_once.x_m, step_by_step.x_m, 1e-12);
+  EXPECT_NEAR(at_once.y_m, step_by_step.y_m, 1e-12);
+  EXPECT_NEAR(first.then(second).turn_rad, -0.5, 1e-12);
+}
+
 TEST(RangeDeviation, GrowsWithTheSquareOfTheRangeAndIsInverted) {
   const StereoCamera camera{.fx_px = 700, .fy_px = 700, .baseline_m = 0.1, .mount = {}};
   EXPECT_NEAR(range_deviation_m(camera, 40.0) / range_deviation_m(camera, 20.0), 4.0, 0.2);
@@ -327,8 +336,6 @@ TEST(RangeDeviation, GrowsWithTheSquareOfTheRangeAndIsInverted) {
   EXPECT_EQ(range_of_deviation_m(camera, 0.01), 0.0);
 }
 
-}  // namespace
-}  // namespace flies
 TEST(BoundedWait, OverflowsNoClock) {
   using namespace std::chrono_literals;
   const auto now = std::chrono::steady_clock::now();
@@ -342,3 +349,5 @@ TEST(BoundedWait, OverflowsNoClock) {
   EXPECT_EQ(detail::bounded_wait(std::chrono::milliseconds::min()), 0ms);
 }
 
+}  // namespace
+}  // namespace flies

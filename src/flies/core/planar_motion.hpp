@@ -15,6 +15,11 @@ struct PlanarMotion {
   double left_m = 0.0;
   double turn_rad = 0.0;  ///< positive to the left
 
+  /// This motion and after it another one, as one: the pose at the end of `next` in the frame at the beginning of this.
+  PlanarMotion then(const PlanarMotion& next) const {
+    const Point3 end = before({next.forward_m, next.left_m, 0.0});
+    return {end.x_m, end.y_m, turn_rad + next.turn_rad};
+  }
   /// Where something that stands still was in the frame of the pair before.
   Point3 before(const Point3& now) const {
     const double c = std::cos(turn_rad), s = std::sin(turn_rad);

@@ -6,9 +6,12 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/plausible.hpp"
 #include "flies/core/usable_pair.hpp"
 #include "flies/ego/follow_corners.hpp"
 #include "flies/ego/solve_pose.hpp"
@@ -63,7 +66,41 @@ void set_velocities(EgoMotion& ego) {
   ego.yaw_rate_rps = yaw / ego.dt_s;
 }
 
+void check_within(double value, double least, double most, const std::string& source, const std::string& field) {
+  if (!(value >= least && value <= most))
+    throw InputError(source, field, fmt::format("found {:g}, expected {:g} to {:g}", value, least, most));
+}
+
+/// Nobody uses what was moved from but by mistake.
+template <class Memory>
+void check_has_memory(const Memory& memory) {
+  if (!memory) throw std::logic_error("this tracker or estimator of motion was moved from and cannot be used");
+}
+
 }  // namespace
+
+void detail::check_ego_motion(const EgoMotion& ego, const std::string& source) {
+  check_within(ego.dt_s, kLeastStep_s, kLongestStep_s, source, "dt_s");
+  check_within(ego.vx_mps, -kMostSpeed_mps, kMostSpeed_mps, source, "vx_mps");
+  check_within(ego.vy_mps, -kMostSpeed_mps, kMostSpeed_mps, source, "vy_mps");
+  check_within(ego.yaw_rate_rps, -kMostYawRate_rps, kMostYawRate_rps, source, "yaw_rate_rps");
+  const auto& [rotation, shift] = ego.current_from_previous;
+  std::array<double, 9> rows{};
+  for (std::size_t i = 0; i < 9; ++i) rows[i] = rotation[i / 3][i % 3];
+  for (const double entry : rows) check_within(entry, -1.1, 1.1, source, "current_from_previous.rotation");
+  check_rotation(rows, source, "current_from_previous.rotation");
+  const double way_m = std::hypot(shift.x_m, shift.y_m, shift.z_m), most_m = 2.0 * kMostSpeed_mps * ego.dt_s;
+  if (!(way_m <= most_m))
+    throw InputError(source, "current_from_previous.shift",
+                     fmt::format("found {:g} m in {:g} s, expected up to {:g} m", way_m, ego.dt_s, most_m));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double most = std::pow(i == 2 ? kMostYawRate_rps : kMostSpeed_mps, 2);
+    check_within(ego.covariance[i][i], 0.0, most, source, fmt::format("covariance[{0}][{0}]", i));
+    for (std::size_t j = 0; j < 3; ++j)
+      if (!std::isfinite(ego.covariance[i][j]))
+        throw InputError(source, fmt::format("covariance[{}][{}]", i, j), "is no finite number");
+  }
+}
 
 Point3 RigidMotion::operator()(const Point3& p) const {
   const auto row = [&](std::size_t i) {
@@ -84,7 +121,7 @@ RigidMotion RigidMotion::inverse() const {
 EgoMotion given_ego_motion(double dt_s, double vx_mps, double vy_mps, double yaw_rate_rps,
                            const std::array<double, 3>& standard_deviations) {
   EgoMotion ego;
-  ego.is_known = dt_s > 0.0;
+  ego.is_known = !(dt_s <= 0.0);
   if (!ego.is_known) return ego;
   ego.dt_s = dt_s;
   const double yaw = yaw_rate_rps * dt_s, half = yaw / 2;
@@ -96,7 +133,12 @@ EgoMotion given_ego_motion(double dt_s, double vx_mps, double vy_mps, double yaw
   ego.vx_mps = vx_mps;
   ego.vy_mps = vy_mps;
   ego.yaw_rate_rps = yaw_rate_rps;
-  for (std::size_t i = 0; i < 3; ++i) ego.covariance[i][i] = standard_deviations[i] * standard_deviations[i];
+  for (std::size_t i = 0; i < 3; ++i) {
+    check_within(standard_deviations[i], 0.0, i == 2 ? kMostYawRate_rps : kMostSpeed_mps, "given motion",
+                 fmt::format("standard_deviations[{}]", i));
+    ego.covariance[i][i] = standard_deviations[i] * standard_deviations[i];
+  }
+  detail::check_ego_motion(ego, "given motion");
   return ego;
 }
 
@@ -122,7 +164,7 @@ struct EgoEstimator::Memory {
 EgoMotion EgoEstimator::Memory::estimate(const ego::PreparedPair& now, double dt_s) {
   EgoMotion lost;
   lost.dt_s = dt_s;
-  if (before.empty() || now.empty()) return lost;
+  if (before.empty() || now.empty() || dt_s > kLongestStep_s) return lost;
   const ego::Pinhole pinhole{camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};
   // Corners too far to have a depth say nothing of the shift and would be taken for near ones' outliers.
   std::erase_if(before.corners, [&](const ego::StereoCorner& corner) {
@@ -221,15 +263,31 @@ EgoEstimator::EgoEstimator(EgoEstimator&&) noexcept = default;
 EgoEstimator& EgoEstimator::operator=(EgoEstimator&&) noexcept = default;
 
 void EgoEstimator::check(const RectifiedPair& given, double time_s) const {
+  check_has_memory(memory_);
   const RectifiedPair pair = detail::usable_pair(given);
   check_camera_fits(memory_->camera, pair.left.width_px, pair.left.height_px, "camera");
-  if (!std::isfinite(time_s) || (memory_->frame > 0 && !(time_s > memory_->time_s)))
+  check_time(time_s);
+}
+
+void EgoEstimator::check_time(double time_s) const {
+  check_has_memory(memory_);
+  if (!std::isfinite(time_s) || (memory_->frame > 0 && !(time_s - memory_->time_s >= kLeastStep_s)))
     throw InputError("pair", "time_s",
                      fmt::format("found {} after {}, expected times that advance", time_s, memory_->time_s));
 }
 
+std::optional<double> EgoEstimator::last_time_s() const {
+  check_has_memory(memory_);
+  return memory_->frame > 0 ? std::optional(memory_->time_s) : std::nullopt;
+}
+
 void EgoEstimator::skip(const RectifiedPair& pair, double time_s) {
   check(pair, time_s);
+  skip(time_s);
+}
+
+void EgoEstimator::skip(double time_s) {
+  check_time(time_s);
   memory_->before = {};
   memory_->motion = {};
   memory_->motion_dt_s = 0.0;

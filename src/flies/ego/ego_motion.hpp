@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "flies/core/gray_view.hpp"
@@ -63,14 +65,31 @@ struct EgoMotion {
   std::vector<CornerMotion> corners;  ///< those whose depth is known before and now; empty when given
 };
 
+/// Steps from pair to pair that motions are known for: no camera has a finer clock, and after more than a day, as when
+/// a clock is set, nothing says how the camera moved.
+inline constexpr double kLeastStep_s = 1e-9, kLongestStep_s = 86400.0;
+/// What moves faster, an aircraft's camera or one that is shaken, has a wrong unit.
+inline constexpr double kMostSpeed_mps = 400.0, kMostYawRate_rps = 100.0;
+
 /// A known motion in the plane of the road (a wheel and yaw-rate sensor, or GPS/IMU) as an `EgoMotion`.
-/// @param vx_mps, vy_mps over ground at the vehicle origin, constant over the time in the turning frame
+/// @param dt_s            `kLeastStep_s` to `kLongestStep_s`; 0 or less: the motion is not known
+/// @param vx_mps, vy_mps  over ground at the vehicle origin, constant over the time in the turning frame; either within
+///                        +-`kMostSpeed_mps`
+/// @param yaw_rate_rps    within +-`kMostYawRate_rps`
+/// @param standard_deviations of the three, 0 or more
+/// @throws InputError naming what is no number or out of its range
 EgoMotion given_ego_motion(double dt_s, double vx_mps, double vy_mps, double yaw_rate_rps,
                            const std::array<double, 3>& standard_deviations = {});
 
+namespace detail {
+/// @throws InputError naming `source` and what of a known motion is no number, out of the ranges above or no rotation
+void check_ego_motion(const EgoMotion& ego, const std::string& source);
+}  // namespace detail
+
 /// Estimates the motion of the camera from pair to pair: corners get their depth from the pair, are followed into the
 /// next left image (Lucas-Kanade), and the motion is the one under which most of them stand still (consensus of random
-/// triples, then robust least squares of the reprojection). A function of the pairs so far. Threads: one at a time.
+/// triples, then robust least squares of the reprojection). A function of the pairs so far. Threads: one at a time. One
+/// that was moved from may be assigned to and destroyed; all else throws std::logic_error.
 class EgoEstimator {
  public:
   /// @throws InputError when the camera or an option is out of range
@@ -79,7 +98,7 @@ class EgoEstimator {
   EgoEstimator(EgoEstimator&&) noexcept;
   EgoEstimator& operator=(EgoEstimator&&) noexcept;
 
-  /// @param time_s of the pair, greater than that of the one before
+  /// @param time_s of the pair, a nanosecond or more after the one before; the motion of a day or more is not known
   /// @throws InputError when the images are empty, differ in size or do not fit the camera, or time does not advance
   EgoMotion follow(const RectifiedPair& pair, double time_s);
 
@@ -88,8 +107,18 @@ class EgoEstimator {
   /// @throws InputError as `follow`
   void skip(const RectifiedPair& pair, double time_s);
 
+  /// The same whatever the pair is.
+  /// @throws InputError when time does not advance
+  void skip(double time_s);
+
   /// Throws what `follow` would throw, and does no more.
   void check(const RectifiedPair& pair, double time_s) const;
+
+  /// Throws what `skip(time_s)` would throw, and does no more.
+  void check_time(double time_s) const;
+
+  /// Of the last pair that was followed or skipped.
+  std::optional<double> last_time_s() const;
 
  private:
   struct Memory;

@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
+#include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "flies/core/error.hpp"
@@ -98,6 +102,51 @@ TEST(GivenEgoMotion, TurnsThePointsThatStandStill) {
   EXPECT_FALSE(given_ego_motion(0.0, 8.0, 0.0, 0.0).is_known);
 }
 
+TEST(GivenEgoMotion, RefusesWhatNoCameraDoes) {
+  const auto complaint = [](const auto& call) {
+    try {
+      call();
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kEndless = std::numeric_limits<double>::infinity();
+  for (const double dt_s : {kNan, kEndless, 1e-300, 1e6})
+    EXPECT_THAT(complaint([&] { given_ego_motion(dt_s, 0, 0, 0); }), HasSubstr("given motion: dt_s: found")) << dt_s;
+  for (const double wrong : {kNan, kEndless, -kEndless, 500.0, -1e300}) {
+    EXPECT_THAT(complaint([&] { given_ego_motion(0.1, wrong, 0, 0); }), HasSubstr("vx_mps: found")) << wrong;
+    EXPECT_THAT(complaint([&] { given_ego_motion(0.1, 0, wrong, 0); }), HasSubstr("vy_mps: found")) << wrong;
+    EXPECT_THAT(complaint([&] { given_ego_motion(0.1, 0, 0, wrong); }), HasSubstr("yaw_rate_rps: found")) << wrong;
+    EXPECT_THAT(complaint([&] {
+                  given_ego_motion(0.1, 0, 0, 0, {0, wrong, 0});
+                }),
+                HasSubstr("standard_deviations[1]: found"))
+        << wrong;
+  }
+  EXPECT_EQ(complaint([&] { given_ego_motion(0.1, 400.0, -400.0, -100.0, {1, 1, 1}); }), "none");
+  EXPECT_FALSE(given_ego_motion(-0.1, 8.0, 0.0, 0.0).is_known);
+}
+
+TEST(CheckEgoMotion, KnowsWhatIsNoTurnAndNoWay) {
+  EgoMotion turned = given_ego_motion(0.1, 3.0, 0.0, 0.1);
+  EXPECT_NO_THROW(detail::check_ego_motion(turned, "sensor"));
+  turned.current_from_previous.rotation[0][0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT([&] { detail::check_ego_motion(turned, "sensor"); },
+              ThrowsMessage<InputError>(HasSubstr("sensor: current_from_previous.rotation")));
+  turned.current_from_previous.rotation[0][0] = 0.5;
+  EXPECT_THAT([&] { detail::check_ego_motion(turned, "sensor"); },
+              ThrowsMessage<InputError>(HasSubstr("sensor: current_from_previous.rotation")));
+  EgoMotion moved = given_ego_motion(0.1, 3.0, 0.0, 0.1);
+  moved.current_from_previous.shift.z_m = 300.0;
+  EXPECT_THAT([&] { detail::check_ego_motion(moved, "sensor"); },
+              ThrowsMessage<InputError>(HasSubstr("sensor: current_from_previous.shift: found 300 m in 0.1 s")));
+  EgoMotion unsure = given_ego_motion(0.1, 3.0, 0.0, 0.1);
+  unsure.covariance[0][1] = std::numeric_limits<double>::infinity();
+  EXPECT_THAT([&] { detail::check_ego_motion(unsure, "sensor"); },
+              ThrowsMessage<InputError>(HasSubstr("sensor: covariance[0][1]")));
+}
+
 /// Planes of noise at three depths, shifted to where a camera sees them that has moved `shift_px` per pixel of
 /// disparity.
 struct NoisePair {
@@ -163,7 +212,34 @@ TEST(EgoEstimator, RefusesTimeThatStandsStill) {
   EgoEstimator estimator(camera());
   estimator.follow(pair.pair(), 1.0);
   EXPECT_THAT([&] { estimator.follow(pair.pair(), 1.0); }, ThrowsMessage<InputError>(HasSubstr("time_s")));
+  EXPECT_THAT([&] { estimator.skip(0.5); }, ThrowsMessage<InputError>(HasSubstr("time_s")));
   EXPECT_THAT([&] { estimator.follow({}, 2.0); }, ThrowsMessage<InputError>(HasSubstr("left image")));
+}
+
+TEST(EgoEstimator, GivesNumbersOrNoMotionHoweverLongTheStep) {
+  const NoisePair pair(0.0, 5);
+  EgoEstimator estimator(camera());
+  estimator.follow(pair.pair(), 0.0);
+  EXPECT_THAT([&] { estimator.follow(pair.pair(), 1e-300); }, ThrowsMessage<InputError>(HasSubstr("time_s")));
+  const EgoMotion soon = estimator.follow(pair.pair(), 1e-8);
+  EXPECT_TRUE(soon.is_known);
+  EXPECT_TRUE(std::isfinite(soon.vx_mps) && std::isfinite(soon.covariance[0][0]));
+  EXPECT_TRUE(estimator.follow(pair.pair(), 3600.0).is_known);
+  EXPECT_FALSE(estimator.follow(pair.pair(), 1.7e9).is_known) << "a clock was set";
+  EXPECT_TRUE(estimator.follow(pair.pair(), 1.7e9 + 0.1).is_known);
+}
+
+TEST(EgoEstimator, SaysThatItWasMovedFrom) {
+  const NoisePair pair(0.0, 5);
+  EgoEstimator estimator(camera());
+  estimator.follow(pair.pair(), 0.0);
+  EgoEstimator other = std::move(estimator);
+  EXPECT_TRUE(other.follow(pair.pair(), 0.1).is_known);
+  EXPECT_THROW(estimator.follow(pair.pair(), 0.1), std::logic_error);  // NOLINT(bugprone-use-after-move)
+  EXPECT_THROW(estimator.skip(0.1), std::logic_error);
+  EXPECT_THROW(estimator.last_time_s(), std::logic_error);
+  estimator = EgoEstimator(camera());
+  EXPECT_FALSE(estimator.follow(pair.pair(), 0.0).is_known);
 }
 
 TEST(EgoEstimator, TakesAnImageOfOnePixel) {

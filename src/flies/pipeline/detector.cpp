@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -97,6 +98,7 @@ Detection Detector::process(const RectifiedPair& pair, const std::optional<Plana
 
 Detection Detector::process(const RectifiedPair& given, const MotionSource& motion) {
   [[maybe_unused]] const detail::OneAtATime::Use use(one_at_a_time_);
+  if (!workers_) throw std::logic_error("this detector was moved from and cannot be used");
   const RectifiedPair pair = detail::usable_pair(given);
   check_camera_fits(camera_, pair.left.width_px, pair.left.height_px, "camera");
   if (detail::is_one_image_twice(pair))

@@ -139,7 +139,8 @@ class OneAtATime {
 /// so that each gets random numbers of its own, the obstacles of the last one, which steer some flies of the next
 /// (`evolve.steering_share`), and its people, who are looked for again where the camera's motion is known. Copies share
 /// their worker threads. The n-th call is a function of the pairs so far, camera, options and classifier. Threads: one
-/// detector serves one thread at a time; several detectors, copies too, may run side by side.
+/// detector serves one thread at a time; several detectors, copies too, may run side by side. One that was moved from
+/// may be assigned to and destroyed; `process` and `find` throw std::logic_error.
 class Detector {
  public:
   /// @param classifier of people; null: nobody is looked for, boxes score 0 and `pedestrians` stays empty
@@ -149,7 +150,8 @@ class Detector {
 
   /// @param pair of the size the camera was calibrated for
   /// @throws InputError when images are empty, one twice, swapped (first pair), differ in size or do not fit the camera
-  /// @param motion of the camera since the pair before, where that is known: what was seen then counts on
+  /// @param motion of the camera since the last pair that was not refused, where that is known: what was seen then
+  ///               counts on
   Detection process(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion = std::nullopt);
 
   /// The same where the motion has yet to be measured: `motion` runs beside the first stages when `threads` is not 1.

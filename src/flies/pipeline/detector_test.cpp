@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -73,6 +74,17 @@ TEST(Detector, ReportsOneObstacleWithItsSizeByDefault) {
   ASSERT_EQ(found.obstacles.size(), 1U);
   EXPECT_NEAR(found.obstacles[0].width_m, 1.0, 0.25);
   EXPECT_NEAR(found.obstacles[0].height_m, 1.6, 0.25);
+}
+
+TEST(Detector, SaysThatItWasMovedFrom) {
+  Detector detector(camera(), {}, nullptr);
+  Detector other = std::move(detector);
+  EXPECT_FALSE(other.process(Board().pair()).obstacles.empty());
+  EXPECT_THAT([&] { detector.process(Board().pair()); },  // NOLINT(bugprone-use-after-move)
+              ThrowsMessage<std::logic_error>(HasSubstr("moved from")));
+  EXPECT_THAT([&] { detector.find(Board().pair()); }, ThrowsMessage<std::logic_error>(HasSubstr("moved from")));
+  detector = other;
+  EXPECT_FALSE(detector.process(Board().pair()).obstacles.empty());
 }
 
 TEST(Detector, FindsNothingInAUniformPair) {

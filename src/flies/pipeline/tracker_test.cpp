@@ -6,6 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "flies/core/error.hpp"
@@ -154,6 +158,110 @@ TEST(Tracker, APairThatIsRefusedChangesNothing) {
   EXPECT_EQ(after.ego.followed, expected.ego.followed);
   EXPECT_EQ(after.ego.vx_mps, expected.ego.vx_mps);
   EXPECT_EQ(after.detection.evolved.flies.x_m, expected.detection.evolved.flies.x_m);
+}
+
+TEST(Tracker, WhatTheDetectorRemembersMovesOnOverRefusedPairs) {
+  const Scene scene(0), later(8);
+  const auto moved_for = [](double dt_s) { return given_ego_motion(dt_s, 20.0, 0.0, 0.5); };
+  Tracker refused(camera()), undisturbed(camera());
+  for (Tracker* tracker : {&refused, &undisturbed}) tracker->process(scene.pair(), 0.0, moved_for(0.1));
+  EXPECT_THROW(refused.process({later.pair().left, later.pair().left}, 0.1, moved_for(0.1)), InputError);
+  EXPECT_THROW(refused.process({}, 0.2, moved_for(0.1)), InputError);
+  const auto after = refused.process(later.pair(), 0.3, moved_for(0.1)).detection;
+  EgoMotion at_once = moved_for(0.3);
+  const RigidMotion step = moved_for(0.1).current_from_previous;
+  at_once.current_from_previous.shift = step(step(step({0, 0, 0})));
+  const auto expected = undisturbed.process(later.pair(), 0.3, at_once).detection;
+  ASSERT_EQ(after.scan.size(), expected.scan.size());
+  for (std::size_t i = 0; i < expected.scan.size(); ++i) {
+    EXPECT_EQ(after.scan.states[i], expected.scan.states[i]) << i;
+    EXPECT_NEAR(after.scan.confidence[i], expected.scan.confidence[i], 1e-6) << i;
+  }
+}
+
+TEST(Tracker, OverARefusedPairWhoseMotionIsUnknownNothingMovesOn) {
+  const Scene scene(0);
+  Tracker tracker(camera(), {}, {}, nullptr);
+  const EgoMotion standing = given_ego_motion(0.1, 0.0, 0.0, 0.0);
+  const auto first = tracker.process(scene.pair(), 0.0, standing);
+  ASSERT_FALSE(first.tracks.empty());
+  EXPECT_THROW(tracker.process({}, 0.1, EgoMotion{}), InputError);
+  const auto after = tracker.process(scene.pair(), 0.2, standing);
+  ASSERT_FALSE(after.tracks.empty());
+  EXPECT_GT(after.tracks[0].id, first.tracks.size()) << "nothing says where the camera is";
+}
+
+std::string complaint(Tracker& tracker, double time_s, const EgoMotion& measured) {
+  try {
+    tracker.process(Scene(0).pair(), time_s, measured);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(Tracker, RefusesAMotionThatIsNone) {
+  const EgoMotion standing = given_ego_motion(0.1, 0.0, 0.0, 0.0);
+  Tracker tracker(camera(), {}, {}, nullptr);
+  const auto first = tracker.process(Scene(0).pair(), 0.0, standing);
+  ASSERT_FALSE(first.tracks.empty());
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kEndless = std::numeric_limits<double>::infinity();
+  EgoMotion wrong = standing;
+  wrong.vx_mps = kNan;
+  EXPECT_THAT(complaint(tracker, 0.1, wrong), HasSubstr("measured motion: vx_mps: found nan, expected -400 to 400"));
+  wrong = standing;
+  wrong.dt_s = kEndless;
+  EXPECT_THAT(complaint(tracker, 0.1, wrong), HasSubstr("measured motion: dt_s: found inf"));
+  wrong = standing;
+  wrong.current_from_previous.shift.x_m = kNan;
+  EXPECT_THAT(complaint(tracker, 0.1, wrong), HasSubstr("measured motion: current_from_previous.shift"));
+  EXPECT_THAT(complaint(tracker, 0.1, given_ego_motion(100.0, 0.0, 0.0, 0.0)),
+              HasSubstr("measured motion: dt_s: found 100 s, but the pair before was 0.1 s earlier"));
+  EXPECT_THAT(complaint(tracker, 0.1, given_ego_motion(0.2, 0.0, 0.0, 0.0)), HasSubstr("found 0.2 s"));
+  const auto again = tracker.process(Scene(0).pair(), 0.1, given_ego_motion(0.09, 0.0, 0.0, 0.0));
+  EXPECT_EQ(again.tracks.at(0).id, first.tracks[0].id) << "a refused motion changes nothing";
+}
+
+TEST(Tracker, AMotionSinceAPairThatWasRefusedWithItsOwnIsNotEnough) {
+  const EgoMotion standing = given_ego_motion(0.1, 0.0, 0.0, 0.0);
+  Tracker tracker(camera(), {}, {}, nullptr);
+  const auto first = tracker.process(Scene(0).pair(), 0.0, standing);
+  EgoMotion wrong = standing;
+  wrong.yaw_rate_rps = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(complaint(tracker, 0.1, wrong), HasSubstr("yaw_rate_rps"));
+  const auto next = tracker.process(Scene(0).pair(), 0.2, standing);
+  EXPECT_FALSE(next.ego.is_known);
+  EXPECT_NEAR(next.ego.dt_s, 0.2, 1e-12);
+  EXPECT_GT(next.tracks.at(0).id, first.tracks.size());
+  EXPECT_TRUE(tracker.process(Scene(0).pair(), 0.3, standing).ego.is_known);
+}
+
+TEST(Tracker, GivesNumbersHoweverShortTheStep) {
+  Tracker tracker(camera(), {}, {}, nullptr);
+  tracker.process(Scene(0).pair(), 0.0);
+  EXPECT_THROW(tracker.process(Scene(0).pair(), 1e-300), InputError);
+  for (const double time_s : {1e-8, 2e-8, 3e-8, 0.1}) {
+    const auto now = tracker.process(Scene(0).pair(), time_s);
+    EXPECT_FALSE(now.tracks.empty());
+    for (const Track& track : now.tracks) {
+      EXPECT_TRUE(std::isfinite(track.state.x_m) && std::isfinite(track.state.vx_mps) &&
+                  std::isfinite(track.velocity.vx_mps))
+          << time_s;
+      for (const auto& row : track.state.covariance)
+        for (const double entry : row) EXPECT_TRUE(std::isfinite(entry)) << time_s;
+    }
+  }
+}
+
+TEST(Tracker, SaysThatItWasMovedFrom) {
+  Tracker tracker(camera(), {}, {}, nullptr);
+  tracker.process(Scene(0).pair(), 0.0);
+  Tracker other = std::move(tracker);
+  EXPECT_TRUE(other.process(Scene(0).pair(), 0.1).ego.is_known);
+  EXPECT_THAT([&] { tracker.process(Scene(0).pair(), 0.1); },  // NOLINT(bugprone-use-after-move)
+              ThrowsMessage<std::logic_error>(HasSubstr("moved from")));
+  tracker = Tracker(camera(), {}, {}, nullptr);
+  EXPECT_FALSE(tracker.process(Scene(0).pair(), 0.0).tracks.empty());
 }
 
 }  // namespace
