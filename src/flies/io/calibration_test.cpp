@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "flies/io/formats/toy_rig.hpp"
@@ -168,6 +171,15 @@ TEST(LoadCalibration, TakesTheImageSizeOfRawCamerasFromTheRequest) {
   request.height_px = 480;
   EXPECT_EQ(load_calibration(path, request).camera.width_px, 640);
   EXPECT_THAT(flies::testing::error_of([&] { load_calibration(path); }), HasSubstr("image_width"));
+}
+
+TEST(Rectifier, SaysThatItWasMovedFrom) {
+  const TemporaryFolder folder;
+  auto calibration = load_calibration(folder.write("c", RawCamera().text(".yml")));
+  const GrayImage gray{640, 480, std::vector<std::uint8_t>(640 * 480, 90)};
+  const Rectifier other = std::move(*calibration.rectifier);
+  EXPECT_EQ(other.rectify({gray, gray, 8}).left.width_px, 640);
+  EXPECT_THROW(calibration.rectifier->rectify({gray, gray, 8}), std::logic_error);  // NOLINT(bugprone-use-after-move)
 }
 
 TEST(Rectifier, PutsTheSamePointOnTheSameRowWhereTheCameraSays) {

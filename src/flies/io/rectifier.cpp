@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
@@ -232,6 +233,7 @@ Rectifier::Rectifier(const RawStereo& raw, const std::string& source) : raw_(raw
 }
 
 GrayPair Rectifier::rectify(const GrayPair& raw_pair) const {
+  if (!maps_) throw std::logic_error("this rectifier was moved from and cannot be used");
   check_camera_fits(camera_, raw_pair.left.width_px, raw_pair.left.height_px, source_);
   check_camera_fits(camera_, raw_pair.right.width_px, raw_pair.right.height_px, source_);
   return {apply(maps_->left, raw_pair.left), apply(maps_->right, raw_pair.right), raw_pair.bit_depth};

@@ -25,6 +25,7 @@ inline constexpr double kWidestRectified = 0.25;
 
 /// Turns raw pairs into rectified ones: computes the rectification once, then remaps pair after pair. Rotations keep
 /// infinity at disparity 0 and the images are scaled so that only valid pixels are seen. Threads: any number at once.
+/// One that was moved from may be assigned to and destroyed; `rectify` throws std::logic_error.
 class Rectifier {
  public:
   /// @param source names the calibration in errors
