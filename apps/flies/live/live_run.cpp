@@ -82,6 +82,7 @@ bool LiveRun::wait_for_pair(flies::StereoFrame& frame) {
     rethrow_failure();
     if (answer == Answer::ended) return false;
     if (answer == Answer::nothing_yet) continue;
+    flies::stretch_faint(frame.images);
     const std::lock_guard lock(mutex_);
     if (steps_ > 0) --steps_;
     return true;

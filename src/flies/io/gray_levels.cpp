@@ -6,12 +6,15 @@
 #include <bit>
 #include <cstdint>
 #include <initializer_list>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "flies/io/images.hpp"
 
 namespace flies {
 namespace {
@@ -23,22 +26,27 @@ int significant_bits(const cv::Mat& gray) {
   return std::max(8, static_cast<int>(std::bit_width(static_cast<unsigned>(maximum))));
 }
 
-/// Levels of 16 bits that become black and white; what lies outside is cut off.
+/// Levels that become black and white; what lies outside is cut off.
 struct Band {
   int low = 0, high = 0;
 };
 
-/// The levels of images of 16 bits without the darkest and the brightest pixels; nothing of images of 8 bits.
-std::optional<Band> band_of(std::initializer_list<const cv::Mat*> images) {
-  constexpr double kCutOff = 0.001;  // of the pixels, at both ends
-  std::vector<std::size_t> histogram(std::size_t{1} << 16);
-  std::size_t pixels = 0;
-  for (const cv::Mat* image : images) {
-    if (image->depth() != CV_16U) return std::nullopt;
-    for (int v = 0; v < image->rows; ++v)
-      for (int u = 0; u < image->cols; ++u) ++histogram[image->at<std::uint16_t>(v, u)];
-    pixels += image->total();
-  }
+template <class Level>
+void count_levels(const cv::Mat& image, int row_step, std::vector<std::size_t>& histogram) {
+  for (int v = 0; v < image.rows; v += row_step)
+    for (int u = 0; u < image.cols; ++u) ++histogram[image.at<Level>(v, u)];
+}
+
+/// The levels of images of one depth without the darkest and the brightest pixels.
+Band band_of(std::initializer_list<const cv::Mat*> images) {
+  constexpr double kCutOff = 0.001;   // of the pixels, at both ends
+  constexpr int kRowStepOfBytes = 4;  // every fourth row tells enough, and nearly all pairs are of 8 bits
+  const bool is_of_bytes = (*images.begin())->depth() == CV_8U;
+  std::vector<std::size_t> histogram(std::size_t{1} << (is_of_bytes ? 8 : 16));
+  for (const cv::Mat* image : images)
+    is_of_bytes ? count_levels<std::uint8_t>(*image, kRowStepOfBytes, histogram)
+                : count_levels<std::uint16_t>(*image, 1, histogram);
+  const std::size_t pixels = std::accumulate(histogram.begin(), histogram.end(), std::size_t{0});
   const auto cut_off = static_cast<std::size_t>(kCutOff * static_cast<double>(pixels));
   Band band{0, static_cast<int>(histogram.size()) - 1};
   for (std::size_t below = histogram.front(); below <= cut_off;)
@@ -48,43 +56,46 @@ std::optional<Band> band_of(std::initializer_list<const cv::Mat*> images) {
   return band;
 }
 
-/// The band that is worth stretching, when shifting would leave next to nothing: a hot pixel far above all others, or a
-/// scene in a narrow band of levels, as thermal cameras deliver it.
-std::optional<Band> narrow_band(std::initializer_list<const cv::Mat*> images, int bit_depth) {
-  constexpr int kEnoughLevels = 40;  // after shifting
-  constexpr int kLeastLevels = 16;   // fewer are noise
-  const auto band = band_of(images);
-  if (!band) return std::nullopt;
-  const int levels = band->high - band->low;
+/// The band that is worth stretching, when too little contrast would be left of 256 levels: a hot pixel far above all
+/// others, or a scene in a narrow band of levels, as in fog or of thermal cameras. Good pairs have 211 levels and more;
+/// of 71 obstacles in six pairs of kitti_stereo2012, 53 are left with 0.75 of that contrast, 31 with 0.3 of it.
+std::optional<Band> narrow_band(const Band& band, int bit_depth) {
+  constexpr int kEnoughLevels = 192;  // after shifting
+  constexpr int kLeastLevels = 16;    // fewer are noise
+  const int levels = band.high - band.low;
   if (levels < kLeastLevels || (levels >> (bit_depth - 8)) >= kEnoughLevels) return std::nullopt;
   return band;
 }
 
 /// Whether two bands hardly overlap, as of cameras whose offsets or bits differ, and neither is noise alone.
-bool are_apart(const std::optional<Band>& left, const std::optional<Band>& right) {
+bool are_apart(const Band& left, const Band& right) {
   constexpr double kMostShared = 0.25;  // of the narrower one
   constexpr int kLeastLevels = 64;
-  if (!left || !right) return false;
-  const int narrower = std::min(left->high - left->low, right->high - right->low);
-  const int shared = std::min(left->high, right->high) - std::max(left->low, right->low);
+  const int narrower = std::min(left.high - left.low, right.high - right.low);
+  const int shared = std::min(left.high, right.high) - std::max(left.low, right.low);
   return narrower >= kLeastLevels && shared < kMostShared * narrower;
 }
 
-/// @param band of a 16-bit image to be stretched; nothing: it is shifted
+template <class Level>
+void stretch(const cv::Mat& gray, const Band& band, cv::Mat& pixels) {
+  const int levels = band.high - band.low;
+  for (int v = 0; v < gray.rows; ++v)
+    std::transform(gray.ptr<Level>(v), gray.ptr<Level>(v) + gray.cols, pixels.ptr<std::uint8_t>(v), [&](Level level) {
+      return static_cast<std::uint8_t>(std::clamp(level - band.low, 0, levels) * 255 / levels);
+    });
+}
+
+/// @param band of levels to be stretched; nothing: those of 16 bits are shifted
 GrayImage to_8_bits(const cv::Mat& gray, int bit_depth, const std::optional<Band>& band) {
   GrayImage image{gray.cols, gray.rows, std::vector<std::uint8_t>(gray.total())};
   cv::Mat pixels(gray.rows, gray.cols, CV_8U, image.pixels.data());
-  if (gray.depth() == CV_8U) {
-    gray.copyTo(pixels);
+  const bool is_of_bytes = gray.depth() == CV_8U;
+  if (band) {
+    is_of_bytes ? stretch<std::uint8_t>(gray, *band, pixels) : stretch<std::uint16_t>(gray, *band, pixels);
     return image;
   }
-  if (band) {
-    const int levels = band->high - band->low;
-    for (int v = 0; v < gray.rows; ++v)
-      std::transform(gray.ptr<std::uint16_t>(v), gray.ptr<std::uint16_t>(v) + gray.cols, pixels.ptr<std::uint8_t>(v),
-                     [&](std::uint16_t level) {
-                       return static_cast<std::uint8_t>(std::clamp(level - band->low, 0, levels) * 255 / levels);
-                     });
+  if (is_of_bytes) {
+    gray.copyTo(pixels);
     return image;
   }
   // Shifted, not rounded: the brightest level must stay below 256.
@@ -93,6 +104,14 @@ GrayImage to_8_bits(const cv::Mat& gray, int bit_depth, const std::optional<Band
     std::transform(gray.ptr<std::uint16_t>(v), gray.ptr<std::uint16_t>(v) + gray.cols, pixels.ptr<std::uint8_t>(v),
                    [shift](std::uint16_t level) { return static_cast<std::uint8_t>(level >> shift); });
   return image;
+}
+
+/// Nothing where the images have contrast enough not to wonder.
+std::optional<std::string> faint_note(const Band& band) {
+  constexpr int kFaintLevels = 96;
+  const int levels = band.high - band.low;
+  if (levels >= kFaintLevels) return std::nullopt;
+  return "the levels of both images lie in a narrow band, as in fog or behind a dirty window; they are stretched alike";
 }
 
 }  // namespace
@@ -107,21 +126,42 @@ cv::Mat gray_levels(const cv::Mat& image) {
 
 GrayImage image_of_levels(const cv::Mat& levels) {
   const int bit_depth = significant_bits(levels);
-  return to_8_bits(levels, bit_depth, narrow_band({&levels}, bit_depth));
+  const bool is_of_bytes = levels.depth() == CV_8U;
+  return to_8_bits(levels, bit_depth, is_of_bytes ? std::nullopt : narrow_band(band_of({&levels}), bit_depth));
 }
 
 GrayPair pair_of_levels(const cv::Mat& left, const cv::Mat& right) {
   const int bit_depth = std::max(significant_bits(left), significant_bits(right));
+  const bool is_of_bytes = left.depth() == CV_8U;
   std::vector<std::string> notes;
-  auto left_band = band_of({&left}), right_band = band_of({&right});
-  if (are_apart(left_band, right_band))
+  std::optional<Band> left_band, right_band;
+  if (!is_of_bytes) {
+    left_band = band_of({&left});
+    right_band = band_of({&right});
+  }
+  if (!is_of_bytes && are_apart(*left_band, *right_band)) {
     notes.push_back(
         fmt::format("the levels of the 16-bit images hardly overlap, left {} to {} and right {} to {}: each is "
                     "stretched by its own",
                     left_band->low, left_band->high, right_band->low, right_band->high));
-  else
-    left_band = right_band = narrow_band({&left, &right}, bit_depth);
+  } else {
+    left_band = right_band = narrow_band(band_of({&left, &right}), bit_depth);
+    if (is_of_bytes && left_band)
+      if (auto note = faint_note(*left_band)) notes.push_back(*std::move(note));
+  }
   return {to_8_bits(left, bit_depth, left_band), to_8_bits(right, bit_depth, right_band), bit_depth, std::move(notes)};
+}
+
+void stretch_faint(GrayPair& images) {
+  const auto levels_of = [](GrayImage& image) {
+    return cv::Mat(image.height_px, image.width_px, CV_8U, image.pixels.data());
+  };
+  cv::Mat left = levels_of(images.left), right = levels_of(images.right);
+  const auto band = narrow_band(band_of({&left, &right}), 8);
+  if (!band) return;
+  stretch<std::uint8_t>(left, *band, left);
+  stretch<std::uint8_t>(right, *band, right);
+  if (auto note = faint_note(*band)) images.notes.push_back(*std::move(note));
 }
 
 }  // namespace flies

@@ -74,15 +74,15 @@ TEST(LoadGrayImage, WeighsColoursAndIgnoresAlpha) {
 
 TEST(LoadPair, ShiftsBoth16BitImagesAlike) {
   const TemporaryFolder folder;
-  cv::Mat left = noise(CV_16UC1, 1, 900), right = noise(CV_16UC1, 2, 900);
+  cv::Mat left = noise(CV_16UC1, 1, 3600), right = noise(CV_16UC1, 2, 3600);
   right.at<std::uint16_t>(3, 4) = 4095;  // 12 bits in all
-  left.at<std::uint16_t>(3, 4) = 800;
+  left.at<std::uint16_t>(3, 4) = 3000;
   for (const char* extension : {".png", ".tif", ".pgm"}) {
     const auto pair =
         load_pair(save(folder, std::string("l") + extension, left), save(folder, std::string("r") + extension, right));
     EXPECT_EQ(pair.bit_depth, 12) << extension;
     EXPECT_EQ(pair.right.view().at(4, 3), 255) << extension;
-    EXPECT_EQ(pair.left.view().at(4, 3), 800 >> 4) << extension;
+    EXPECT_EQ(pair.left.view().at(4, 3), 3000 >> 4) << extension;
   }
 }
 
@@ -104,6 +104,30 @@ TEST(LoadPair, StretchesANarrowBandOfLevelsAlikeInBoth) {
   const auto expected = [](std::uint16_t level) { return (level - 20000) * 255 / 69; };
   EXPECT_NEAR(pair.left.view().at(7, 9), expected(left.at<std::uint16_t>(9, 7)), 5);
   EXPECT_NEAR(pair.right.view().at(7, 9), expected(right.at<std::uint16_t>(9, 7)), 5);
+}
+
+TEST(LoadPair, StretchesFaintImagesOf8BitsAlike) {
+  const TemporaryFolder folder;
+  const auto load = [&](int levels, int offset) {
+    return load_pair(save(folder, "l.png", noise(CV_8UC1, 1, levels) + cv::Scalar(offset)),
+                     save(folder, "r.png", noise(CV_8UC1, 2, levels) + cv::Scalar(offset)));
+  };
+  const cv::Mat left = noise(CV_8UC1, 1, 40);
+  auto pair = load(40, 100);
+  EXPECT_NEAR(pair.left.view().at(7, 9), left.at<std::uint8_t>(9, 7) * 255 / 39, 7);
+  EXPECT_THAT(pair.notes, ElementsAre(HasSubstr("lie in a narrow band")));
+  const auto stretched = pair.left.pixels;
+  stretch_faint(pair);
+  EXPECT_EQ(pair.left.pixels, stretched);
+  EXPECT_EQ(load(255, 0).left.view().at(7, 9), noise(CV_8UC1, 1, 255).at<std::uint8_t>(9, 7));
+  EXPECT_EQ(load(12, 100).left.view().at(7, 9), noise(CV_8UC1, 1, 12).at<std::uint8_t>(9, 7) + 100);  // noise
+
+  GrayPair of_camera{pair.left, pair.right};
+  for (GrayImage* image : {&of_camera.left, &of_camera.right})
+    for (auto& level : image->pixels) level = static_cast<std::uint8_t>(100 + level / 8);
+  stretch_faint(of_camera);
+  EXPECT_EQ(*std::ranges::max_element(of_camera.left.pixels), 255);
+  EXPECT_EQ(of_camera.notes.size(), 1U);
 }
 
 TEST(LoadPair, StretchesEachImageByItsOwnLevelsWhereTheyHardlyOverlap) {

@@ -29,7 +29,7 @@ constexpr std::pair<const char*, BayerPattern> kPatterns[] = {{"rggb", BayerPatt
                                                               {"grbg", BayerPattern::grbg},
                                                               {"gbrg", BayerPattern::gbrg}};
 
-/// A picture of coloured patches and fine texture.
+/// A picture of coloured patches and fine texture, with black and white in a corner, so that nothing is stretched.
 cv::Mat colors(int seed, int width_px = 160, int height_px = 120) {
   cv::RNG random(static_cast<std::uint64_t>(seed));
   cv::Mat coarse(9, 12, CV_8UC3), picture, fine(height_px, width_px, CV_8UC1);
@@ -38,7 +38,10 @@ cv::Mat colors(int seed, int width_px = 160, int height_px = 120) {
   random.fill(fine, cv::RNG::UNIFORM, 0, 40);
   cv::GaussianBlur(fine, fine, {0, 0}, 1.0);
   cv::cvtColor(fine, fine, cv::COLOR_GRAY2BGR);
-  return picture + fine;
+  picture += fine;
+  picture(cv::Rect(0, 0, 8, 8)).setTo(cv::Scalar::all(0));
+  picture(cv::Rect(8, 0, 8, 8)).setTo(cv::Scalar::all(255));
+  return picture;
 }
 
 /// One channel a pixel, as the letters of the pattern say.
