@@ -11,6 +11,7 @@
 #include "flies/core/error.hpp"
 #include "flies/core/pair_check.hpp"
 #include "flies/core/usable_pair.hpp"
+#include "flies/pipeline/far_end.hpp"
 
 namespace flies {
 namespace {
@@ -140,6 +141,7 @@ std::optional<PlanarMotion> Detector::find_obstacles(const RectifiedPair& pair, 
   if (source) motion.start([&] { return source(); });
   d.road = timed(d.stage_ms, Stage::road, [&] { return estimate_road(pair, projection_, options_.road); });
   const RoadPlane& road = d.road.plane;
+  const FieldOptions field = detail::lived_in(options_.field, camera_);
   const auto scan = [&](const Population& flies) {
     return timed(d.stage_ms, Stage::scan, [&] {
       return scanner_.scan(pair, projection_, road, flies, options_.field, options_.scan, [&] { return motion.get(); });
@@ -150,15 +152,15 @@ std::optional<PlanarMotion> Detector::find_obstacles(const RectifiedPair& pair, 
   if (!scan_asks_flies) scanned.start([&] { return scan({}); });
   d.evolved = timed(d.stage_ms, Stage::evolve, [&] {
     return undistracted([&] {
-      return evolver_.evolve(pair, projection_, road, options_.field, options_.fitness, options_.evolve,
-                             {options_.seed, frame_}, last_obstacles_);
+      return evolver_.evolve(pair, projection_, road, field, options_.fitness, options_.evolve, {options_.seed, frame_},
+                             last_obstacles_);
     });
   });
   d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
-    return undistracted([&] {
-      return concentrator_.concentrate(d.evolved.flies, projection_, road, options_.field, options_.concentrate);
-    });
+    return undistracted(
+        [&] { return concentrator_.concentrate(d.evolved.flies, projection_, road, field, options_.concentrate); });
   });
+  detail::drop_beyond(options_.field.x_max_m, d.concentrate);
   d.scan = scan_asks_flies ? scan(d.evolved.flies) : std::move(scanned.get());
   d.obstacles = timed(d.stage_ms, Stage::concentrate, [&] {
     return whole_obstacles(d.concentrate.obstacles, d.scan, projection_, road, options_.concentrate.whole);
