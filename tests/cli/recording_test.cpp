@@ -196,8 +196,9 @@ TEST(Bags, MessagesThatNothingDescribesAreToldOnce) {
   const RunResult result = track(folder, {});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(lines(result.out).size(), static_cast<std::size_t>(kPairs));
-  EXPECT_THAT(result.err, HasSubstr("there are messages of connections that it does not describe; that part of the file "
-                                    "is left out"));
+  EXPECT_THAT(result.err,
+              HasSubstr("there are messages of connections that it does not describe; that part of the file "
+                        "is left out"));
 }
 
 TEST(Bags, PicturesOfOneSideAloneOfAFileThatWasCutOff) {

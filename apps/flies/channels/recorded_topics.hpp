@@ -17,9 +17,9 @@ struct StereoTopics {
   bool is_by_number = false;  ///< no name says left or right
 };
 
-/// The topics of the left and of the right pictures: two whose names differ in the word for the side, or where no two do,
-/// in a number that is one higher on the right: cam0 and cam1, infra1 and infra2. Of several the rectified ones, of those
-/// the ones that are not compressed a second time, and of several of one camera the grey ones.
+/// The topics of the left and of the right pictures: two whose names differ in the word for the side, or where no two
+/// do, in a number that is one higher on the right: cam0 and cam1, infra1 and infra2. Of several the rectified ones, of
+/// those the ones that are not compressed a second time, and of several of one camera the grey ones.
 /// @param topics all that hold pictures
 /// @returns nothing when no two differ so, or when those of several cameras are as good
 std::optional<StereoTopics> stereo_topics(const std::vector<std::string>& topics);

@@ -186,9 +186,10 @@ void Recording::choose_topics(const std::optional<std::array<std::string, 2>>& t
     left_ = found->left;
     right_ = found->right;
     if (found->is_by_number)
-      notes_.push_back(fmt::format("{}: no topic says left or right: {} is taken for the left one, {} for the right one; "
-                                   "--topics LEFT,RIGHT says otherwise",
-                                   path_, left_, right_));
+      notes_.push_back(
+          fmt::format("{}: no topic says left or right: {} is taken for the left one, {} for the right one; "
+                      "--topics LEFT,RIGHT says otherwise",
+                      path_, left_, right_));
     return;
   }
   if (names.size() < 2) complain("holds no pair, for that takes pictures of two topics; " + picture_topics());

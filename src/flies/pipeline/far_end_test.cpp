@@ -12,9 +12,9 @@ TEST(FarEnd, FliesLiveBeyondItWhereRangesAreHardlyKnown) {
   camera.fx_px = camera.fy_px = 424.0;
   camera.baseline_m = 0.05;  // 21.2 px m
   FieldOptions reported;
-  reported.x_max_m = 10.6;  // 2 px
+  reported.x_max_m = 10.6;                                      // 2 px
   EXPECT_NEAR(lived_in(reported, camera).x_max_m, 42.4, 1e-9);  // 0.5 px
-  reported.x_max_m = 20.0;  // 1.06 px
+  reported.x_max_m = 20.0;                                      // 1.06 px
   EXPECT_NEAR(lived_in(reported, camera).x_max_m, 84.8, 1e-9);  // 0.25 px, the least
   reported.x_max_m = 100.0;
   EXPECT_EQ(lived_in(reported, camera).x_max_m, 100.0);

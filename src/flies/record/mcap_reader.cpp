@@ -85,7 +85,8 @@ const McapReader::Channel* McapReader::channel(std::uint16_t id) {
   if (!has_summary_ && (known == channels_.end() || !knows_schema_of(known->second))) read_summary();
   const auto found = channels_.find(id);
   if (found != channels_.end()) return &found->second;
-  if (!std::exchange(has_told_unknown_channels_, true)) complain("there are messages of channels that it does not describe");
+  if (!std::exchange(has_told_unknown_channels_, true))
+    complain("there are messages of channels that it does not describe");
   return nullptr;
 }
 
