@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -120,6 +122,31 @@ TEST_F(LiveCommand, TellsPairsThatAreSwappedInTheMiddleOfARun) {
   EXPECT_TRUE(passed_over.at("obstacles").empty());
 }
 
+TEST_F(LiveCommand, SwappedPairsDoNotOvertakeWhatIsStillWorkedOn) {
+  constexpr int kPairs = 9;
+  constexpr std::array kSwapped = {6, 8};  // the first five are waited for
+  for (int i = 0; i < kPairs; ++i) {
+    const bool is_swapped = std::ranges::find(kSwapped, i) != kSwapped.end();
+    const std::string name = std::to_string(i) + ".png";
+    cv::imwrite((folder.path() / "left" / name).string(), is_swapped ? street_pair().right : street_pair().left);
+    cv::imwrite((folder.path() / "right" / name).string(), is_swapped ? street_pair().left : street_pair().right);
+  }
+  const RunResult result = run({"left", "right", "--rate", "20", "--calib", "calib.txt", "--threads", "1",
+                                "--evolve.generations", "400", "--json", "-"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  std::vector<std::uint64_t> frames, dropped;
+  for (const auto& line : lines(result.out)) {
+    const json record = json::parse(line);
+    frames.push_back(record.at("frame"));
+    dropped.push_back(record.at("live").at("dropped"));
+  }
+  ASSERT_FALSE(frames.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(frames)) << ::testing::PrintToString(frames);
+  EXPECT_TRUE(std::ranges::is_sorted(dropped)) << ::testing::PrintToString(dropped);
+  EXPECT_EQ(frames.back(), kPairs - 1U);
+  EXPECT_THAT(result.err, HasSubstr("; " + std::to_string(kPairs - frames.size()) + " dropped; no pairs: 2"));
+}
+
 TEST_F(LiveCommand, IsMadeOfWhatTrackIsMadeOf) {
   const Words common = {"left", "right", "--rate", "20", "--calib", "calib.txt", "--mount", "given", "--json", "-"};
   Words live = common, track = common;
@@ -160,6 +187,20 @@ TEST_F(LiveCommand, QuietSaysNothingButResults) {
   EXPECT_EQ(result.status, 0);
   EXPECT_EQ(result.err, "");
   EXPECT_THAT(lines(result.out), SizeIs(3));
+}
+
+TEST_F(LiveCommand, FaintFilmIsStretched) {
+  cv::Mat beside;
+  cv::hconcat(street_pair().left, street_pair().right, beside);
+  constexpr double kContrast = 0.2, kLevel = 100.0;
+  const double mean = cv::mean(beside)[0];
+  beside.convertTo(beside, CV_8U, kContrast, kLevel - kContrast * mean);
+  write_film(folder.path() / "faint.avi", beside, 3);
+  const RunResult result = run({"faint.avi", "--calib", "calib.txt", "--every-pair", "--json", "-"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("lie in a narrow band"));
+  ASSERT_THAT(lines(result.out), SizeIs(3));
+  EXPECT_TRUE(sees_the_box(json::parse(lines(result.out).back())));
 }
 
 TEST_F(LiveCommand, AllWaysToGiveTwoPicturesSeeTheSame) {

@@ -47,7 +47,8 @@ void JsonSink::take(const LiveFrame& frame) {
 }
 
 void JsonSink::pass_over(const LiveFrame& frame) {
-  if (file_) file_->write(track_json_line(tracked_frame(frame), frame.snapshot->error));
+  if (!file_) file_.emplace(path_);
+  file_->write(track_json_line(tracked_frame(frame), frame.snapshot->error));
 }
 
 void TableSink::take(const LiveFrame& frame) {

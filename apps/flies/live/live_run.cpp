@@ -235,7 +235,8 @@ std::shared_ptr<LivePair> LiveRun::prepare(flies::StereoFrame frame) {
   return pair;
 }
 
-void LiveRun::renew_worker_if_asked() {
+/// @param number of the pair that comes next: of those before, none gets a result any more
+void LiveRun::renew_worker_if_asked(std::uint64_t number) {
   std::unique_lock lock(mutex_);
   if (!std::exchange(options_changed_, false)) return;
   const auto options = options_;
@@ -246,6 +247,7 @@ void LiveRun::renew_worker_if_asked() {
   lock.lock();
   std::swap(worker_, worker);
   handed_on_ = 0;
+  awaited_from_ = number;
   lock.unlock();  // the old engine ends outside of the lock
 }
 
@@ -272,7 +274,7 @@ std::string LiveRun::fault_of(const LivePair& pair) {
 
 /// @param is_awaited no pair may overtake this one
 void LiveRun::submit(std::shared_ptr<LivePair> pair, bool is_awaited) {
-  renew_worker_if_asked();
+  renew_worker_if_asked(pair->number);
   if (auto fault = fault_of(*pair); !fault.empty()) {
     const std::lock_guard lock(mutex_);
     passed_over_.push_back({std::move(pair), std::move(fault)});

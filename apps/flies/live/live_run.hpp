@@ -91,12 +91,13 @@ class LiveRun {
   std::shared_ptr<LivePair> prepare(flies::StereoFrame frame);
   std::string fault_of(const LivePair& pair);
   void submit(std::shared_ptr<LivePair> pair, bool is_awaited);
-  void renew_worker_if_asked();
+  void renew_worker_if_asked(std::uint64_t number);
   void hand_on();
   std::shared_ptr<const Worker> worker_unless_ending();
   void go_on_with(std::shared_ptr<const Worker> worker);
   void hand_on_results();
-  void hand_on_passed_over(std::uint64_t before);
+  std::uint64_t oldest_awaited() const;
+  void hand_on_passed_over(std::optional<std::uint64_t> before);
   LiveFrame frame_of(std::shared_ptr<const LivePair> pair, std::shared_ptr<const flies::Snapshot> snapshot) const;
   std::shared_ptr<const flies::Snapshot> continued(const std::shared_ptr<const flies::Snapshot>& snapshot) const;
   std::shared_ptr<const LivePair> pair_at(double time_s);
@@ -127,12 +128,14 @@ class LiveRun {
   int steps_ = 0;
   std::vector<std::shared_ptr<const LivePair>> recent_;  ///< the newest last
   std::vector<PassedOver> passed_over_;                  ///< not handed on yet, the newest last
+  std::uint64_t awaited_from_ = 0;                       ///< number of the first pair whose result may still come
   std::uint64_t handed_on_ = 0;                          ///< results of the present worker
   flies::PairStreamCounts source_counts_;
   std::exception_ptr failure_;
 
   std::shared_ptr<const Worker> handing_worker_;   ///< this and the next are of the handing thread
   std::uint64_t last_result_ = 0;                  ///< of that worker
+  std::uint64_t last_dropped_ = 0;                 ///< pairs, by that worker up to that result
   std::uint64_t results_ = 0;                      ///< of all workers
   std::uint64_t dropped_before_ = 0;               ///< pairs, by the workers before
   std::uint64_t overtaken_ = 0;                    ///< results that newer ones pushed out before they were handed on

@@ -2,13 +2,21 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "live/live_run.hpp"
 
+namespace {
+
 using namespace std::chrono_literals;
+
+constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();  // below it are the numbers of all pairs
+
+}  // namespace
 
 GroundPose moved(const GroundPose& pose, const flies::EgoMotion& ego) {
   if (!ego.is_known) return {.segment = pose.segment + 1};
@@ -34,7 +42,7 @@ std::shared_ptr<const LiveRun::Worker> LiveRun::worker_unless_ending() {
 void LiveRun::go_on_with(std::shared_ptr<const Worker> worker) {
   dropped_before_ = worker->submitted_before - results_;
   ids_before_ = highest_id_;
-  last_result_ = 0;
+  last_result_ = last_dropped_ = 0;
   handing_worker_ = std::move(worker);
 }
 
@@ -63,19 +71,27 @@ LiveFrame LiveRun::frame_of(std::shared_ptr<const LivePair> pair,
           .began_ns = began_ns_};
 }
 
+/// Under `mutex_`. @returns the number of the oldest pair whose result may still come; more than all if there is none
+std::uint64_t LiveRun::oldest_awaited() const {
+  const auto oldest = std::ranges::find_if(recent_, [&](const auto& pair) { return pair->number >= awaited_from_; });
+  return oldest == recent_.end() ? kAll : (*oldest)->number;
+}
+
 /// Pairs that no worker got and whose number is below this one, so that numbers grow.
-void LiveRun::hand_on_passed_over(std::uint64_t before) {
+/// @param before nothing: below those whose result may still come
+void LiveRun::hand_on_passed_over(std::optional<std::uint64_t> before) {
   std::vector<PassedOver> passed_over;
   {
     const std::lock_guard lock(mutex_);
-    const auto end = std::ranges::find_if(passed_over_, [&](const auto& one) { return one.pair->number >= before; });
+    const std::uint64_t limit = before ? *before : oldest_awaited();
+    const auto end = std::ranges::find_if(passed_over_, [&](const auto& one) { return one.pair->number >= limit; });
     passed_over.assign(passed_over_.begin(), end);
     passed_over_.erase(passed_over_.begin(), end);
   }
   for (const auto& [pair, fault] : passed_over) {
     auto snapshot = std::make_shared<flies::Snapshot>();
     snapshot->tracking.time_s = pair->time_s;
-    snapshot->dropped = handing_worker_->engine->snapshot()->dropped;
+    snapshot->dropped = last_dropped_;
     snapshot->error = fault;
     const LiveFrame frame = frame_of(pair, std::move(snapshot));
     for (LiveSink* sink : sinks_) sink->pass_over(frame);
@@ -84,11 +100,12 @@ void LiveRun::hand_on_passed_over(std::uint64_t before) {
 
 void LiveRun::hand_on_results() {
   const auto result = handing_worker_->engine->wait_for_next(last_result_, 50ms);
-  if (result->number == last_result_) return hand_on_passed_over(std::numeric_limits<std::uint64_t>::max());
+  if (result->number == last_result_) return hand_on_passed_over(std::nullopt);
   overtaken_ += result->number - last_result_ - 1;
   const auto snapshot = continued(result);
   results_ += snapshot->number - last_result_;
   last_result_ = snapshot->number;
+  last_dropped_ = snapshot->dropped;
   if (!snapshot->error.empty() && !std::exchange(error_told_, true)) say(snapshot->error);
   const auto pair = pair_at(snapshot->tracking.time_s);
   if (pair && snapshot->error.empty()) {
@@ -99,6 +116,7 @@ void LiveRun::hand_on_results() {
     for (LiveSink* sink : sinks_) sink->take(frame);
   }
   const std::lock_guard lock(mutex_);
+  if (pair) awaited_from_ = std::max(awaited_from_, pair->number + 1);
   while (pair && recent_.size() > 1 && recent_.front()->number < pair->number) recent_.erase(recent_.begin());
   if (handing_worker_ == worker_) handed_on_ = last_result_;
   changed_.notify_all();
@@ -111,7 +129,7 @@ void LiveRun::hand_on() {
       if (worker != handing_worker_) go_on_with(std::move(worker));
       hand_on_results();
     }
-    if (handing_worker_) hand_on_passed_over(std::numeric_limits<std::uint64_t>::max());
+    if (handing_worker_) hand_on_passed_over(kAll);
   } catch (...) {
     const std::lock_guard lock(mutex_);
     failure_ = std::current_exception();

@@ -18,21 +18,25 @@ LiveStatus::LiveStatus(bool is_line_wanted)
 
 void LiveStatus::take(const LiveFrame& frame) {
   const auto now = std::chrono::steady_clock::now();
-  if (pairs_++ == 0) {
-    start_ = shown_ = now;
-    first_number_ = frame.pair->number;
-  }
+  if (pairs_++ == 0) start_ = shown_ = now;
   newest_ = now;
   latencies_.add(frame.snapshot->latency_ms);
-  last_number_ = frame.pair->number;
-  dropped_ = last_number_ - first_number_ + 1 - pairs_ - passed_over_;
+  count(frame);
   if (!is_visible_ || std::chrono::duration<double>(now - shown_).count() < kShowEvery_s) return;
   shown_ = now;
   std::fprintf(stderr, "\r\033[K%s", text().c_str());
 }
 
-void LiveStatus::pass_over(const LiveFrame& /*frame*/) {
-  if (pairs_ > 0) ++passed_over_;
+void LiveStatus::pass_over(const LiveFrame& frame) {
+  ++passed_over_;
+  count(frame);
+}
+
+/// Numbers that are left out are pairs that were dropped.
+void LiveStatus::count(const LiveFrame& frame) {
+  const std::uint64_t number = frame.pair->number;
+  if (next_number_ && number > *next_number_) dropped_ += number - *next_number_;
+  next_number_ = number + 1;
 }
 
 std::string LiveStatus::text() const {

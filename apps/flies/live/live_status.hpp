@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "flies/video/pair_stream.hpp"
@@ -20,11 +21,12 @@ class LiveStatus final : public LiveSink {
   void finish(const flies::PairStreamCounts& source) const;
 
  private:
+  void count(const LiveFrame& frame);
   std::string text() const;
 
   bool is_visible_;
   std::chrono::steady_clock::time_point start_, shown_, newest_;  ///< newest_: of the last pair
   Latencies latencies_;
-  std::uint64_t pairs_ = 0, dropped_ = 0, first_number_ = 0, last_number_ = 0;
-  std::uint64_t passed_over_ = 0;
+  std::uint64_t pairs_ = 0, dropped_ = 0, passed_over_ = 0;
+  std::optional<std::uint64_t> next_number_;  ///< that would be without a drop
 };
