@@ -24,7 +24,8 @@ constexpr Names kBaseline = {"baseline", "baseline_m", "base_line", "b", "B"};
 constexpr Names kShift = {"Tx", "tx"};  // of OpenCV, where the right camera's is negative
 constexpr Names kWidth = {"width", "width_px", "image_width"};
 constexpr Names kHeight = {"height", "height_px", "image_height"};
-constexpr Names kLens = {"k1", "k2", "D", "dist", "distortion", "coeffs", "distortion_coefficients"};
+constexpr Names kLens = {
+    "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "D", "dist", "distortion", "coeffs", "distortion_coefficients"};
 
 /// The name that the table has of these; "" when it has none.
 std::string name_in(const NumberTable& table, Names names) {
@@ -45,10 +46,11 @@ double baseline_of(const NumberTable& table, const CalibrationRequest& request) 
 }
 
 bool has_lens(const NumberTable& table) {
-  const std::string name = name_in(table, kLens);
-  if (name.empty()) return false;
-  const auto& numbers = table.entries.find(name)->second.numbers;
-  return std::ranges::any_of(numbers, [](double number) { return number != 0.0; });
+  return std::ranges::any_of(kLens, [&](const char* name) {
+    const auto found = table.entries.find(name);
+    return found != table.entries.end() &&
+           std::ranges::any_of(found->second.numbers, [](double number) { return number != 0.0; });
+  });
 }
 
 Calibration read_flat(const NumberTable& table, const CalibrationRequest& request) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "flies/io/calibration.hpp"
@@ -18,7 +19,9 @@ using flies::testing::error_of;
 using flies::testing::TemporaryFolder;
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 void expect_small_camera(const Calibration& calibration) {
   const auto& camera = calibration.camera;
@@ -59,6 +62,18 @@ TEST(FlatFormats, NumbersWrittenByHandAreCheckedLikeAllOthers) {
   EXPECT_THAT(error(whole + "baseline: 0.0499\nwidth: 848\n"), HasSubstr("height: is missing"));
   const auto bent = load_calibration(folder.write("c", whole + "baseline: 0.0499\nk1: -0.3\n"));
   EXPECT_THAT(texts(bent.notes), Contains(HasSubstr("the coefficients of distortion left out")));
+}
+
+TEST(FlatFormats, CoefficientsThatAreLeftOutAreToldWhicheverOfThemIsNot0) {
+  const TemporaryFolder folder;
+  const std::string camera = "fx: 424.5\ncx: 421.5\ncy: 236.25\nbaseline: 0.0499\n";
+  const auto notes = [&](const std::string& lens) {
+    return texts(load_calibration(folder.write("c", camera + lens)).notes);
+  };
+  for (const char* lens : {"k1: 0\nk2: 0.2\n", "k1: 0\nk2: 0\np1: 0.001\n", "p2: 0.001\n", "k1: 0\nk3: 0.1\n",
+                           "k1: 0\ndist: [0.1, 0, 0, 0]\n"})
+    EXPECT_THAT(notes(lens), Contains(HasSubstr("the coefficients of distortion left out"))) << lens;
+  EXPECT_THAT(notes("k1: 0\nk2: 0\np1: 0\np2: 0\nk3: 0\n"), Not(Contains(HasSubstr("distortion"))));
 }
 
 TEST(FlatFormats, WhatIsNotRecognisedIsToldWhatWouldDo) {
@@ -106,6 +121,90 @@ TEST(FlatFormats, ADumpedRotationStandsColumnByColumn) {
       folder.write("c", R"({"left": )" + one_by_one + R"(, "right": )" + one_by_one + R"(, "baseline": 0.0499})"));
   ASSERT_TRUE(named.rectifier);
   EXPECT_EQ(named.rectifier->raw().right.distortion[1], 0.06);
+}
+
+// As pyrealsense2 prints the cameras of a T265: five coefficients, of which the model has four.
+TEST(FlatFormats, DumpedFisheyesAreReadByTheNameOfTheirModel) {
+  const TemporaryFolder folder;
+  const auto load = [&](const std::string& camera, const std::string& beside) {
+    return load_calibration(folder.write(
+        "c", R"({"fisheye1": )" + camera + R"(, "fisheye2": )" + camera + R"(, "baseline": 0.064)" + beside + "}"));
+  };
+  const std::string side = R"({"width": 848, "height": 800, "fx": 285.7, "fy": 285.7, "ppx": 418.1, "ppy": 402.2, )";
+  const std::string five = R"("coeffs": [-0.0076, 0.0436, -0.0412, 0.0076, 0])";
+  const std::string one_by_one = R"("k1": -0.0076, "k2": 0.0436, "k3": -0.0412, "k4": 0.0076)";
+  const std::string none, said = R"(, "distortion_model": "equidistant")";
+  const std::string model = R"("model": "distortion.kannala_brandt4", )";
+  for (const auto& [camera, beside] :
+       {std::pair{side + model + five + "}", none}, std::pair{side + model + one_by_one + "}", none},
+        std::pair{side + five + "}", said}}) {
+    SCOPED_TRACE(camera + beside);
+    const auto calibration = load(camera, beside);
+    ASSERT_TRUE(calibration.rectifier);
+    const auto& raw = calibration.rectifier->raw();
+    for (const RawCamera& read : {raw.left, raw.right}) {
+      EXPECT_EQ(read.lens, Lens::equidistant);
+      EXPECT_THAT(read.distortion, ElementsAre(-0.0076, 0.0436, -0.0412, 0.0076));
+    }
+    EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("with the equidistant (fisheye) model")));
+  }
+  const std::string of_another = R"("coeffs": [-0.0076, 0.0436, -0.0412, 0.0076, 0.1]})";
+  EXPECT_THAT(error_of([&] { load(side + model + of_another, ""); }), HasSubstr("found 5 coefficients"));
+}
+
+/// A file of cameras of these names.
+std::string dump_of(const std::vector<std::string>& names, const std::string& beside = R"("baseline": 0.0499)") {
+  std::string text = "{";
+  for (const auto& name : names) text += '"' + name + R"(": )" + kSide + R"("coeffs": [0, 0, 0, 0, 0]}, )";
+  return text + beside + "}";
+}
+
+TEST(FlatFormats, DumpedCamerasAreLeftAndRightByTheirNames) {
+  const TemporaryFolder folder;
+  for (const auto& [left, right] :
+       {std::pair{"infra1", "infra2"}, std::pair{"left", "right"}, std::pair{"Camera_Left", "Camera_Right"},
+        std::pair{"camL", "camR"}, std::pair{"cam9", "cam10"}, std::pair{"left_0", "right_1"}}) {
+    for (const bool has_others : {false, true}) {
+      std::vector<std::string> names{right, left};
+      if (has_others) names.insert(names.begin(), {"color", "depth"});
+      SCOPED_TRACE(dump_of(names));
+      const auto calibration = load_calibration(folder.write("c", dump_of(names)));
+      expect_small_camera(calibration);
+      EXPECT_EQ(calibration.left_name, left);
+      EXPECT_EQ(calibration.right_name, right);
+      const auto note = HasSubstr(std::string(left) + " and " + right + " are taken");
+      EXPECT_THAT(texts(calibration.notes, {CalibrationNoteKind::told}), Contains(note).Times(has_others ? 1 : 0));
+    }
+  }
+  const std::string pose = R"("extrinsics": {"rotation": [1, 0, 0, 0, 1, 0, 0, 0, 1], "translation": [-0.05, 0, 0]})";
+  const auto calibration = load_calibration(folder.write("c", dump_of({"color", "infra1", "infra2"}, pose)));
+  EXPECT_THAT(texts(calibration.notes, {CalibrationNoteKind::doubt}),
+              Contains(HasSubstr("extrinsics as the pose between these two")));
+}
+
+TEST(FlatFormats, DumpedCamerasThatAreNoPairByTheirNamesAreRefused) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::vector<std::string>& names) {
+    return error_of([&] { load_calibration(folder.write("c", dump_of(names))); });
+  };
+  EXPECT_THAT(error({"color", "depth"}), HasSubstr("cameras: found color, depth, expected two whose names differ in"));
+  EXPECT_THAT(error({"depth", "infra1"}), HasSubstr("found depth, infra1, expected two"));
+  EXPECT_THAT(error({"cam1", "cam3"}), HasSubstr("found cam1, cam3, expected two"));
+  EXPECT_THAT(error({"left_1", "right_0"}), HasSubstr("found left_1, right_0, expected two"));
+  EXPECT_THAT(error({"cam0", "cam1", "cam2"}), HasSubstr("found cam0, cam1, cam2, expected only two"));
+}
+
+TEST(FlatFormats, OtherCamerasOfADumpSayNothingOfTheLensesOfThePair) {
+  const TemporaryFolder folder;
+  const std::string color = R"({"color": )" + kSide + R"("model": "distortion.brown_conrady", "k1": 0.1}, )";
+  const std::string fisheye = kSide + R"("model": "distortion.kannala_brandt4", "coeffs": [0.01, 0, 0, 0, 0]})";
+  const auto calibration = load_calibration(
+      folder.write("c", color + R"("infra1": )" + fisheye + R"(, "infra2": )" + fisheye + R"(, "baseline": 0.0499})"));
+  ASSERT_TRUE(calibration.rectifier);
+  EXPECT_EQ(calibration.rectifier->raw().left.lens, Lens::equidistant);
+  const std::string beside = kSide.substr(1) + R"("left": )" + fisheye + R"(, "right": )" + fisheye;
+  const auto nested = load_calibration(folder.write("c", R"({"rig": {)" + beside + R"(}, "baseline": 0.0499})"));
+  EXPECT_EQ(nested.left_name, "rig.left");
 }
 
 // The sections that TStereoCamera::loadFromConfigFile of MRPT names, as in the Malaga data sets.

@@ -131,8 +131,11 @@ void add(const std::string& key, const NumberEntry& entry, const NumberTable& ta
 }  // namespace
 
 std::optional<Lens> known_lens(const std::string& word) {
+  constexpr std::string_view kOfRealSense = "distortion.";  // as its values print in Python
+  std::string_view name = word;
+  if (name.starts_with(kOfRealSense)) name.remove_prefix(kOfRealSense.size());
   const auto* found =
-      std::find_if(std::begin(kLenses), std::end(kLenses), [&](const NamedLens& lens) { return word == lens.name; });
+      std::find_if(std::begin(kLenses), std::end(kLenses), [&](const NamedLens& lens) { return name == lens.name; });
   return found == std::end(kLenses) ? std::nullopt : std::optional(found->lens);
 }
 

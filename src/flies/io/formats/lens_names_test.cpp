@@ -34,6 +34,7 @@ TEST(NamedLens, IsFoundBelowEveryKeyThatPeopleUse) {
                            "camera_type: fisheye",
                            "lens_type: kannala_brandt",
                            "distortion_model: kannala_brandt4",
+                           "infra1: {model: distortion.kannala_brandt4}",
                            "calibration_type: fisheye",
                            "projection: equidistant",
                            "left: {model: fisheye}",

@@ -1,11 +1,18 @@
 // Two cameras of a few keys each and what lies between them: MRPT's configurations, and what scripts dump of a
 // RealSense or another stereo camera (JSON or YAML).
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <cctype>
+#include <charconv>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "flies/core/error.hpp"
@@ -34,17 +41,26 @@ Pose mrpt_pose(const NumberTable& table, const std::string& key, CalibrationNote
   return inverse(left_from_right);
 }
 
-/// k1 k2 p1 p2 k3 of a camera; zeros where it names none.
-std::vector<double> distortion_at(const NumberTable& table, const std::string& prefix) {
-  if (table.has(prefix + "k1")) return coefficients_of(table, prefix, {"k1", "k2", "p1", "p2", "k3"});
-  for (const char* name : {"coeffs", "dist", "distortion", "distortion_coefficients", "D"})
-    if (table.has(prefix + name)) return table.require(prefix + name);
+/// The coefficients of a camera; none where it names none. RealSense writes five of every model.
+std::vector<double> distortion_at(const NumberTable& table, const std::string& prefix, Lens lens) {
+  constexpr std::size_t kOfFisheye = 4;
+  if (table.has(prefix + "k1"))
+    return lens == Lens::equidistant ? coefficients_of(table, prefix, {"k1", "k2", "k3", "k4"})
+                                     : coefficients_of(table, prefix, {"k1", "k2", "p1", "p2", "k3"});
+  for (const char* name : {"coeffs", "dist", "distortion", "distortion_coefficients", "D"}) {
+    if (!table.has(prefix + name)) continue;
+    std::vector<double> found = table.require(prefix + name);
+    if (lens == Lens::equidistant && found.size() == kOfFisheye + 1 && found.back() == 0.0) found.pop_back();
+    return found;
+  }
   return {};
 }
 
-RawCamera camera_at(const NumberTable& table, const std::string& prefix, const char* column, const char* row) {
+RawCamera camera_at(const NumberTable& table, const std::string& prefix, const char* column, const char* row,
+                    Lens lens) {
   const auto number = [&](const std::string& name) { return table.require_number(prefix + name); };
-  return {camera_matrix(number("fx"), number("fy"), number(column), number(row)), distortion_at(table, prefix)};
+  return {camera_matrix(number("fx"), number("fy"), number(column), number(row)), distortion_at(table, prefix, lens),
+          lens};
 }
 
 Calibration read_mrpt(const NumberTable& table, const CalibrationRequest& request) {
@@ -52,7 +68,9 @@ Calibration read_mrpt(const NumberTable& table, const CalibrationRequest& reques
   const std::string left = sections + "_LEFT.", right = sections + "_RIGHT.", pose = sections + std::string(kMrptPose);
   const ImageSize size = size_of_list(table, left + "resolution");
   check_same_size(size, size_of_list(table, right + "resolution"), table.source, right + "resolution");
-  RawPair pair{{size.width_px, size.height_px, camera_at(table, left, "cx", "cy"), camera_at(table, right, "cx", "cy")},
+  const Lens lens = named_lens(table);
+  RawPair pair{{size.width_px, size.height_px, camera_at(table, left, "cx", "cy", lens),
+                camera_at(table, right, "cx", "cy", lens)},
                left.substr(0, left.size() - 1),
                right.substr(0, right.size() - 1),
                pose};
@@ -60,39 +78,119 @@ Calibration read_mrpt(const NumberTable& table, const CalibrationRequest& reques
   return calibration_from_pair(std::move(pair), request, table.source);
 }
 
-/// What the keys of one camera begin with, of two: "infra1." and "infra2.", "left." and "right.". In the order of their
-/// names the left one is first.
-struct TwoPrefixes {
-  std::string left, right;
-  const char *column = "cx", *row = "cy";
+std::string small_letters(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return text;
+}
+
+struct NumberInName {
+  int value = 0;
+  std::size_t digits = 0;
 };
 
-std::optional<TwoPrefixes> two_prefixes(const NumberTable& table) {
-  for (const auto& [column, row] : {std::array{"ppx", "ppy"}, std::array{"cx", "cy"}}) {
-    const std::string end = std::string(".") + column;
-    std::vector<std::string> found;
-    for (const auto& [key, entry] : table.entries) {
-      if (!key.ends_with(end)) continue;
-      const std::string prefix = key.substr(0, key.size() - end.size() + 1);
-      if (table.has(prefix + "fx") && table.has(prefix + "fy")) found.push_back(prefix);
+/// The whole number that a text begins with, if it does.
+std::optional<NumberInName> number_at(std::string_view text) {
+  NumberInName number;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number.value);
+  if (error != std::errc() || text[0] == '-') return std::nullopt;
+  number.digits = static_cast<std::size_t>(end - text.data());
+  return number;
+}
+
+/// Whether names are alike but for left and right, l and r, or numbers of which the second are the next.
+bool is_left_and_right(std::string_view left, std::string_view right) {
+  bool differ = false;
+  while (!left.empty() && !right.empty()) {
+    std::size_t of_left = 1, of_right = 1;
+    const auto number = number_at(left), next = number_at(right);
+    if (left.starts_with("left") && right.starts_with("right")) {
+      of_left = 4;
+      of_right = 5;
+      differ = true;
+    } else if (left[0] == 'l' && right[0] == 'r') {
+      differ = true;
+    } else if (number && next) {
+      if (number->value != next->value && number->value + 1 != next->value) return false;
+      differ = differ || number->value != next->value;
+      of_left = number->digits;
+      of_right = next->digits;
+    } else if (left[0] != right[0]) {
+      return false;
     }
-    if (found.size() == 2) return TwoPrefixes{found[0], found[1], column, row};
+    left.remove_prefix(of_left);
+    right.remove_prefix(of_right);
   }
+  return differ && left.empty() && right.empty();
+}
+
+/// Cameras whose centre of the image stands under the same names.
+struct NamedCameras {
+  const char *column = "cx", *row = "cy";
+  std::vector<std::string> names;                          ///< what their keys begin with, less the dot
+  std::vector<std::pair<std::string, std::string>> pairs;  ///< left and right, of these
+};
+
+NamedCameras cameras_with(const NumberTable& table, const char* column, const char* row) {
+  NamedCameras found{column, row, {}, {}};
+  const std::string end = std::string(".") + column;
+  for (const auto& [key, entry] : table.entries) {
+    if (!key.ends_with(end)) continue;
+    const std::string name = key.substr(0, key.size() - end.size());
+    if (table.has(name + ".fx") && table.has(name + ".fy")) found.names.push_back(name);
+  }
+  for (const auto& left : found.names)
+    for (const auto& right : found.names)
+      if (is_left_and_right(small_letters(left), small_letters(right))) found.pairs.emplace_back(left, right);
+  return found;
+}
+
+/// Those that a pair is among; two or more others where there is none. Numbers beside them say more than other cameras.
+std::optional<NamedCameras> named_cameras(const NumberTable& table) {
+  const std::array found = {cameras_with(table, "ppx", "ppy"), cameras_with(table, "cx", "cy")};
+  for (const auto& cameras : found)
+    if (!cameras.pairs.empty()) return cameras;
+  for (const auto& cameras : found)
+    if (cameras.names.size() > 1 && !table.has("fx")) return cameras;
   return std::nullopt;
 }
 
+std::pair<std::string, std::string> pair_of(const NamedCameras& cameras, const std::string& source) {
+  if (cameras.pairs.size() == 1) return cameras.pairs[0];
+  throw InputError(source, "cameras",
+                   fmt::format("found {}, expected {} whose names differ in left and right, l and r, or a number and "
+                               "the next, as infra1 and infra2",
+                               fmt::join(cameras.names, ", "), cameras.pairs.empty() ? "two" : "only two"));
+}
+
+/// The file less what it says of other cameras than these two.
+NumberTable of_pair(NumberTable table, const NamedCameras& cameras, const std::pair<std::string, std::string>& pair) {
+  const auto is_of = [](const std::string& key, const std::string& name) { return key.starts_with(name + "."); };
+  std::erase_if(table.entries, [&](const auto& item) {
+    const std::string& key = item.first;
+    return !is_of(key, pair.first) && !is_of(key, pair.second) &&
+           std::ranges::any_of(cameras.names, [&](const auto& name) { return is_of(key, name); });
+  });
+  return table;
+}
+
 constexpr std::array kBaselines = {"baseline", "baseline_m", "baseline_meters"};
+constexpr const char* kTranslation = "extrinsics.translation";
+
+bool has_baseline(const NumberTable& table) {
+  return std::ranges::any_of(kBaselines, [&](const char* name) { return table.has(name); });
+}
 
 /// RealSense's rotations stand column by column.
 Pose dumped_pose(const NumberTable& table, const CalibrationRequest& request) {
   for (const char* name : kBaselines)
     if (table.has(name)) return {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-table.require_number(name), 0.0, 0.0}};
-  if (!table.has("extrinsics.translation")) {
+  if (!table.has(kTranslation)) {
     missing_baseline(request, table.source, "baseline (or extrinsics.rotation and extrinsics.translation)");
     check_asked_baseline(*request.baseline_m, table.source);
     return {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-*request.baseline_m, 0.0, 0.0}};
   }
-  const auto& t = table.require("extrinsics.translation", 3);
+  const auto& t = table.require(kTranslation, 3);
   const Pose pose{transposed(matrix_of(table, "extrinsics.rotation")), {t[0], t[1], t[2]}};
   return pose.translation[0] > 0.0 ? inverse(pose) : pose;  // from the right to the left camera
 }
@@ -102,16 +200,29 @@ ImageSize dumped_size(const NumberTable& table, const std::string& prefix) {
   return {table.require_size(prefix + "width"), table.require_size(prefix + "height")};
 }
 
-Calibration read_two_cameras(const NumberTable& table, const CalibrationRequest& request) {
-  const TwoPrefixes names = *two_prefixes(table);
-  const ImageSize size = dumped_size(table, names.left);
-  check_same_size(size, dumped_size(table, names.right), table.source, names.right + "width");
-  RawPair pair{{size.width_px, size.height_px, camera_at(table, names.left, names.column, names.row),
-                camera_at(table, names.right, names.column, names.row)},
-               names.left.substr(0, names.left.size() - 1),
-               names.right.substr(0, names.right.size() - 1),
+/// That other cameras are left out: a doubt where the pose does not say which of all it is between.
+CalibrationNote note_on_others(const NamedCameras& cameras, const RawPair& pair, bool has_pose) {
+  return {fmt::format("{} and {} are taken of the cameras {}{}", pair.left_key, pair.right_key,
+                      fmt::join(cameras.names, ", "), has_pose ? ", and extrinsics as the pose between these two" : ""),
+          has_pose ? CalibrationNoteKind::doubt : CalibrationNoteKind::told};
+}
+
+Calibration read_two_cameras(const NumberTable& whole, const CalibrationRequest& request) {
+  const NamedCameras cameras = *named_cameras(whole);
+  const auto names = pair_of(cameras, whole.source);
+  const NumberTable table = of_pair(whole, cameras, names);
+  const std::string left = names.first + ".", right = names.second + ".";
+  const ImageSize size = dumped_size(table, left);
+  check_same_size(size, dumped_size(table, right), table.source, right + "width");
+  const Lens lens = named_lens(table);
+  RawPair pair{{size.width_px, size.height_px, camera_at(table, left, cameras.column, cameras.row, lens),
+                camera_at(table, right, cameras.column, cameras.row, lens)},
+               names.first,
+               names.second,
                "extrinsics"};
   set_pose(pair.stereo, dumped_pose(table, request));
+  if (cameras.names.size() > 2)
+    pair.notes.push_back(note_on_others(cameras, pair, !has_baseline(table) && table.has(kTranslation)));
   return calibration_from_pair(std::move(pair), request, table.source);
 }
 
@@ -121,7 +232,7 @@ const CalibrationFormat kMrpt{"MRPT stereo camera", false, false,
                               [](const NumberTable& table) { return mrpt_sections(table).has_value(); }, read_mrpt};
 
 const CalibrationFormat kTwoCameras{"two cameras with fx, fy, ppx, ppy", false, false,
-                                    [](const NumberTable& table) { return two_prefixes(table).has_value(); },
+                                    [](const NumberTable& table) { return named_cameras(table).has_value(); },
                                     read_two_cameras};
 
 }  // namespace flies::detail
