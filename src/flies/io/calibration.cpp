@@ -125,9 +125,9 @@ bool was_squeezed(const CalibrationRequest& request, const Calibration& calibrat
 void take_as_squeezed(const CalibrationRequest& request, Calibration& calibration, int height_px) {
   calibration.notes.push_back({fmt::format(
       "the calibration is for {} x {} px, and the images have half the rows: taken as squeezed, as fields of "
-      "interlaced "
-      "video are (--resized says so); of images that were cut off, give the camera their size: its height, and cy less "
-      "the rows cut off at the top",
+      "interlaced video are (--resized says so); if rows were cut off instead, the road seems to lie twice as far "
+      "below "
+      "the camera as it does: then give the camera their size, its height, and cy less the rows cut off at the top",
       request.width_px, height_px)});
   const detail::ImageScale halved{1.0, static_cast<double>(request.height_px) / height_px};
   calibration.camera = detail::scaled_camera(calibration.camera, halved, request.width_px, request.height_px);
@@ -310,9 +310,11 @@ Calibration detail::completed(Calibration calibration, const CalibrationRequest&
   exchange_size(request, calibration);
   check_camera(camera, source);
   const bool says_size = camera.width_px > 0;
+  const double down_over_across = camera.fy_px / camera.fx_px;
   fit_size(request, source, calibration);
   StereoCamera checked = camera;
-  if (calibration.rectifier) {  // the principal points of raw cameras were looked at as they are
+  checked.fy_px = down_over_across * checked.fx_px;  // of the calibration: that images were resized was told
+  if (calibration.rectifier) {                       // the principal points of raw cameras were looked at as they are
     checked.cx_px = checked.cx_right_px = 0.5 * camera.width_px;
     checked.cy_px = 0.5 * camera.height_px;
   }

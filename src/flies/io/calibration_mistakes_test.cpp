@@ -210,11 +210,27 @@ TEST(LoadCalibration, TakesImagesOfHalfTheHeightAsSqueezed) {
     EXPECT_EQ(calibration.camera.fx_px, 721.5);
     EXPECT_NEAR(calibration.camera.fy_px, 0.5 * 721.5, 1.0);
     EXPECT_EQ(calibration.camera.height_px, half_px);
-    EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("taken as squeezed")));
+    EXPECT_THAT(texts(calibration.notes), Contains(AllOf(HasSubstr("taken as squeezed"),
+                                                         HasSubstr("if rows were cut off instead, the road seems"))));
+    EXPECT_THAT(texts(calibration.notes), Not(Contains(HasSubstr("stretched"))));
   }
   request.height_px = 250;
   EXPECT_THAT(texts(load_calibration(own(375), request).notes),
               Contains(AllOf(HasSubstr("the upper 250 rows"), HasSubstr("or were they squeezed (--resized)?"))));
+}
+
+TEST(LoadCalibration, DoesNotAskWhetherImagesWereStretchedThatWereSaidToBeResized) {
+  const TemporaryFolder folder;
+  const auto notes = [&](double fy_px) {
+    CalibrationRequest request = for_images(1242, 188);
+    request.images_are_resized = true;
+    const auto text = fmt::format(
+        "fx_px: 721.5\nfy_px: {}\ncx_px: 609.5\ncy_px: 172.5\nbaseline_m: 0.54\nwidth_px: 1242\nheight_px: 375\n",
+        fy_px);
+    return texts(load_calibration(folder.write("c", text), request).notes);
+  };
+  EXPECT_THAT(notes(721.5), Not(Contains(HasSubstr("stretched"))));
+  EXPECT_THAT(notes(600.0), Contains(HasSubstr("stretched"))) << "the calibration itself is odd";
 }
 
 }  // namespace

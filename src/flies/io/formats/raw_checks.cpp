@@ -113,8 +113,7 @@ std::string note_on_fold(const RawCamera& camera, const std::string& key, int wi
   return fmt::format(
       "{}: by its coefficients of distortion nothing is seen more than {:.0f} px from the principal point, and images "
       "of {} x {} px reach {:.0f} px: no lens bends rays back like that; are they in another order than k1 k2 p1 p2 "
-      "k3, "
-      "of another model, or from a calibration of too few views?",
+      "k3, of another model, or from a calibration of too few views?",
       key, *at * m[0], width_px, height_px, corner * m[0]);
 }
 
