@@ -106,28 +106,65 @@ TEST(LoadPair, StretchesANarrowBandOfLevelsAlikeInBoth) {
   EXPECT_NEAR(pair.right.view().at(7, 9), expected(right.at<std::uint16_t>(9, 7)), 5);
 }
 
-TEST(LoadPair, StretchesFaintImagesOf8BitsAlike) {
-  const TemporaryFolder folder;
-  const auto load = [&](int levels, int offset) {
-    return load_pair(save(folder, "l.png", noise(CV_8UC1, 1, levels) + cv::Scalar(offset)),
-                     save(folder, "r.png", noise(CV_8UC1, 2, levels) + cv::Scalar(offset)));
-  };
-  const cv::Mat left = noise(CV_8UC1, 1, 40);
-  auto pair = load(40, 100);
-  EXPECT_NEAR(pair.left.view().at(7, 9), left.at<std::uint8_t>(9, 7) * 255 / 39, 7);
-  EXPECT_THAT(pair.notes, ElementsAre(HasSubstr("lie in a narrow band")));
-  const auto stretched = pair.left.pixels;
-  stretch_faint(pair);
-  EXPECT_EQ(pair.left.pixels, stretched);
-  EXPECT_EQ(load(255, 0).left.view().at(7, 9), noise(CV_8UC1, 1, 255).at<std::uint8_t>(9, 7));
-  EXPECT_EQ(load(12, 100).left.view().at(7, 9), noise(CV_8UC1, 1, 12).at<std::uint8_t>(9, 7) + 100);  // noise
+/// Soft blotches of 8 bits, from `offset` to `levels` above it.
+cv::Mat blotches(int seed, int levels, int offset) {
+  cv::Mat image;
+  cv::GaussianBlur(noise(CV_8UC1, seed, 256), image, {0, 0}, 2.0);
+  cv::normalize(image, image, offset, offset + levels, cv::NORM_MINMAX);
+  return image;
+}
 
-  GrayPair of_camera{pair.left, pair.right};
-  for (GrayImage* image : {&of_camera.left, &of_camera.right})
-    for (auto& level : image->pixels) level = static_cast<std::uint8_t>(100 + level / 8);
+class FaintPairs : public ::testing::Test {
+ protected:
+  GrayPair load(const cv::Mat& left, const cv::Mat& right) {
+    return load_pair(save(folder_, "l.png", left), save(folder_, "r.png", right));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(FaintPairs, AreStretchedAlike) {
+  const cv::Mat left = blotches(1, 40, 100);
+  const auto pair = load(left, blotches(2, 40, 100));
+  EXPECT_NEAR(pair.left.view().at(7, 9), (left.at<std::uint8_t>(9, 7) - 96) * 255 / 48, 32);
+  EXPECT_THAT(pair.notes, ElementsAre(HasSubstr("lie in a narrow band")));
+  auto again = pair;
+  stretch_faint(again);
+  EXPECT_EQ(again.left.pixels, pair.left.pixels);
+  EXPECT_EQ(again.notes.size(), 1U);
+}
+
+TEST_F(FaintPairs, AreStretchedInSpiteOfABlackBorderAndABurntSky) {
+  cv::Mat left = blotches(1, 40, 100), right = blotches(2, 40, 100);
+  const auto without = load(left, right);
+  for (cv::Mat* image : {&left, &right}) {
+    image->rowRange(0, 8).setTo(0);
+    image->colRange(0, 4).setTo(255);
+  }
+  const auto pair = load(left, right);
+  EXPECT_NEAR(pair.left.view().at(50, 40), without.left.view().at(50, 40), 40);
+  EXPECT_THAT(pair.notes, ElementsAre(HasSubstr("lie in a narrow band")));
+}
+
+TEST_F(FaintPairs, OfACameraAreStretchedAsThoseOfFiles) {
+  const cv::Mat left = blotches(1, 40, 100), right = blotches(2, 40, 100);
+  const auto of_files = load(left, right);
+  GrayPair of_camera{{kWidth_px, kHeight_px, {left.begin<std::uint8_t>(), left.end<std::uint8_t>()}},
+                     {kWidth_px, kHeight_px, {right.begin<std::uint8_t>(), right.end<std::uint8_t>()}}};
   stretch_faint(of_camera);
-  EXPECT_EQ(*std::ranges::max_element(of_camera.left.pixels), 255);
-  EXPECT_EQ(of_camera.notes.size(), 1U);
+  EXPECT_EQ(of_camera.left.pixels, of_files.left.pixels);
+  EXPECT_EQ(of_camera.right.pixels, of_files.right.pixels);
+  EXPECT_EQ(of_camera.notes, of_files.notes);
+}
+
+TEST_F(FaintPairs, OfContrastEnoughOrOfNoiseAloneAreLeftAsTheyAre) {
+  for (const auto& [left, right] :
+       {std::pair(blotches(1, 200, 20), blotches(2, 200, 20)), std::pair(blotches(1, 10, 100), blotches(2, 10, 100)),
+        std::pair<cv::Mat, cv::Mat>(noise(CV_8UC1, 1, 30), noise(CV_8UC1, 2, 30))}) {
+    const auto pair = load(left, right);
+    EXPECT_TRUE(std::equal(pair.left.pixels.begin(), pair.left.pixels.end(), left.begin<std::uint8_t>()));
+    EXPECT_THAT(pair.notes, IsEmpty());
+  }
 }
 
 TEST(LoadPair, StretchesEachImageByItsOwnLevelsWhereTheyHardlyOverlap) {

@@ -39,8 +39,8 @@ cv::Mat colors(int seed, int width_px = 160, int height_px = 120) {
   cv::GaussianBlur(fine, fine, {0, 0}, 1.0);
   cv::cvtColor(fine, fine, cv::COLOR_GRAY2BGR);
   picture += fine;
-  picture(cv::Rect(0, 0, 8, 8)).setTo(cv::Scalar::all(0));
-  picture(cv::Rect(8, 0, 8, 8)).setTo(cv::Scalar::all(255));
+  picture(cv::Rect(0, 0, 8, 8)).setTo(cv::Scalar::all(2));
+  picture(cv::Rect(8, 0, 8, 8)).setTo(cv::Scalar::all(253));
   return picture;
 }
 

@@ -327,6 +327,32 @@ TEST(Detector, LooksWhereSomebodyWasInThePairBeforeWhenTheMotionIsKnown) {
   EXPECT_TRUE(restarted.process({nothing, nothing}, kForward).rois.empty());
 }
 
+/// Soft texture all over, farther away than is reported: it matches 1 px beside its place nearly as well.
+TEST(Detector, ReportsNothingAtTheFarEndOfWhatStandsBeyond) {
+  constexpr int kShift_px = 1, kSoft_px = 8;
+  std::vector<std::uint8_t> left(kWidth_px * kHeight_px), right(left);
+  const auto level = [](int u, int v) {
+    unsigned sum = 0;
+    for (int i = 0; i < kSoft_px; ++i)
+      sum += FlyRandom(8, 0, static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(u + i)).below(256);
+    return static_cast<std::uint8_t>(std::min(255U, sum / kSoft_px));
+  };
+  for (int v = 0; v < kHeight_px; ++v)
+    for (int u = 0; u < kWidth_px; ++u) {
+      left[static_cast<std::size_t>(v * kWidth_px + u)] = level(u, v);
+      right[static_cast<std::size_t>(v * kWidth_px + u)] = level(u + kShift_px, v);
+    }
+  StereoCamera short_baseline = camera();
+  short_baseline.baseline_m = 0.05;  // 20 px m: 20 m away
+  DetectorOptions options;
+  options.field.x_max_m = 8.0;
+  Detector detector(short_baseline, options, nullptr);
+  const auto found = detector.process(
+      {{left.data(), kWidth_px, kHeight_px, kWidth_px}, {right.data(), kWidth_px, kHeight_px, kWidth_px}});
+  EXPECT_TRUE(found.obstacles.empty());
+  EXPECT_TRUE(found.concentrate.obstacles.empty());
+}
+
 TEST(Detector, GivesRangesTheirDeviation) {
   const auto found = Detector(camera()).process(Board().pair());
   ASSERT_FALSE(found.obstacles.empty());
