@@ -25,8 +25,9 @@ GrayImage load_gray_image(const std::string& path, int min_width_px = kMinImageW
 /// shifted by the same number of bits, the smallest that fits the larger maximum of the two into 8, so that equal
 /// light stays equal grey. Where fewer than 160 grey levels are left, also of files with 8 bits, because of a hot pixel
 /// or because the scene fills a narrow band of levels (fog, thermal cameras), both are stretched alike from the 0.1 %
-/// darkest to the 0.1 % brightest pixels; fewer than 16, and images that are mostly noise, are left as they are. Each is
-/// stretched by its own levels where those of both hardly overlap: cameras with different offsets or significant bits.
+/// darkest to the 0.1 % brightest pixels; fewer than 16, and images that are mostly noise, are left as they are. Each
+/// is stretched by its own levels where those of both hardly overlap: cameras with different offsets or significant
+/// bits.
 /// @throws InputError for the faults of `load_gray_image`, for sizes or bit depths that differ, and for one image given
 ///         twice
 GrayPair load_pair(const std::string& left_path, const std::string& right_path);
