@@ -11,7 +11,7 @@
 #include "flies/core/error.hpp"
 #include "flies/core/pair_check.hpp"
 #include "flies/core/usable_pair.hpp"
-#include "flies/pipeline/far_end.hpp"
+#include "flies/pipeline/ghosts.hpp"
 
 namespace flies {
 namespace {
@@ -160,8 +160,11 @@ std::optional<PlanarMotion> Detector::find_obstacles(const RectifiedPair& pair, 
     return undistracted(
         [&] { return concentrator_.concentrate(d.evolved.flies, projection_, road, field, options_.concentrate); });
   });
-  detail::drop_beyond(options_.field.x_max_m, d.concentrate);
   d.scan = scan_asks_flies ? scan(d.evolved.flies) : std::move(scanned.get());
+  const auto is_ghost = [&](const Obstacle& obstacle) {
+    return obstacle.x_m > options_.field.x_max_m || detail::is_seen_through(obstacle, d.scan);
+  };
+  detail::drop(is_ghost, d.concentrate);
   d.obstacles = timed(d.stage_ms, Stage::concentrate, [&] {
     return whole_obstacles(d.concentrate.obstacles, d.scan, projection_, road, options_.concentrate.whole);
   });

@@ -1,6 +1,7 @@
-#include "flies/pipeline/far_end.hpp"
+#include "flies/pipeline/ghosts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -17,12 +18,26 @@ FieldOptions lived_in(const FieldOptions& reported, const StereoCamera& camera) 
   return field;
 }
 
-void drop_beyond(double x_max_m, ConcentrateResult& found) {
+bool is_seen_through(const Obstacle& obstacle, const Scan& scan) {
+  constexpr double kTall_m = 1.0, kFarBehind = 1.5;  // times its range
+  if (scan.empty() || obstacle.height_m < kTall_m) return false;
+  const double angle_rad = std::atan2(obstacle.y_m, obstacle.x_m);
+  const double half_rad = std::atan2(0.5 * obstacle.width_m, obstacle.range_m);
+  const auto sector_of = [&](double at_rad) {
+    return static_cast<std::ptrdiff_t>(std::floor((at_rad - scan.angle_min_rad) / scan.angle_increment_rad + 0.5));
+  };
+  const auto first = sector_of(angle_rad - half_rad), last = sector_of(angle_rad + half_rad);
+  if (first < 0 || last >= static_cast<std::ptrdiff_t>(scan.size())) return false;
+  return std::all_of(scan.free_m.begin() + first, scan.free_m.begin() + last + 1,
+                     [&](double free_m) { return free_m > kFarBehind * obstacle.range_m; });
+}
+
+void drop(const std::function<bool(const Obstacle&)>& is_dropped, ConcentrateResult& found) {
   constexpr int kNone = -1;
   std::vector<int> number(found.obstacles.size(), kNone);
   std::vector<Obstacle> kept;
   for (std::size_t i = 0; i < found.obstacles.size(); ++i) {
-    if (found.obstacles[i].x_m > x_max_m) continue;
+    if (is_dropped(found.obstacles[i])) continue;
     number[i] = static_cast<int>(kept.size());
     kept.push_back(std::move(found.obstacles[i]));
   }

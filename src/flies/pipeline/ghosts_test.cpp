@@ -1,4 +1,4 @@
-#include "flies/pipeline/far_end.hpp"
+#include "flies/pipeline/ghosts.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,17 +22,41 @@ TEST(FarEnd, FliesLiveBeyondItWhereRangesAreHardlyKnown) {
   EXPECT_EQ(lived_in(reported, camera).x_max_m, 4.0);
 }
 
-TEST(FarEnd, WhatStandsBeyondIsDropped) {
+TEST(Drop, NumbersWhatIsLeftAnew) {
   ConcentrateResult found;
   for (const double x_m : {3.0, 12.0, 8.0}) {
     found.obstacles.emplace_back();
     found.obstacles.back().x_m = x_m;
   }
   found.obstacle_of_fly = {0, 1, 2, -1, 1};
-  drop_beyond(10.0, found);
+  drop([](const Obstacle& obstacle) { return obstacle.x_m > 10.0; }, found);
   ASSERT_EQ(found.obstacles.size(), 2U);
   EXPECT_EQ(found.obstacles[1].x_m, 8.0);
   EXPECT_EQ(found.obstacle_of_fly, (std::vector<int>{0, -1, 1, -1, -1}));
+}
+
+TEST(IsSeenThrough, WhereTheGroundGoesOnFarBehindInAllDirections) {
+  Scan scan;
+  scan.angle_min_rad = -0.05;
+  scan.angle_increment_rad = 0.01;
+  scan.free_m.assign(11, 9.0);
+  scan.states.assign(11, SectorState::free);
+  Obstacle post;
+  post.x_m = post.range_m = 2.0;
+  post.width_m = 0.05;  // three sectors
+  post.height_m = 1.5;
+  EXPECT_TRUE(is_seen_through(post, scan));
+  scan.free_m[6] = 2.1;
+  EXPECT_FALSE(is_seen_through(post, scan));
+  scan.free_m[6] = 9.0;
+  scan.free_m[9] = 2.1;  // beside it
+  EXPECT_TRUE(is_seen_through(post, scan));
+  post.height_m = 0.6;  // legs of tables
+  EXPECT_FALSE(is_seen_through(post, scan));
+  post.height_m = 1.5;
+  post.y_m = 0.11;  // at the end of what is scanned
+  EXPECT_FALSE(is_seen_through(post, scan));
+  EXPECT_FALSE(is_seen_through(post, {}));
 }
 
 }  // namespace
