@@ -139,6 +139,13 @@ std::optional<double> time_ms(const json& record, Stage last, const Place& place
   return sum;
 }
 
+/// What a line says of a pair that could not be used is no finding.
+void forget_findings(ReportedFrame& frame) {
+  frame.obstacles.clear();
+  if (frame.pedestrians) frame.pedestrians->clear();
+  if (frame.scan) std::ranges::fill(frame.scan->states, SectorState::unknown);
+}
+
 ReportedFrame frame_of(const json& record, const std::string& source, int line) {
   const Place place{source, line, ""};
   if (record.is_discarded()) throw InputError(source, fmt::format("line {}", line), "not JSON");
@@ -172,6 +179,7 @@ ReportedFrame frame_of(const json& record, const std::string& source, int line) 
   }
   if (const auto scan = record.find("scan"); scan != record.end() && !scan->is_null())
     frame.scan = scan_of(*scan, {source, line, "scan"});
+  if (frame.is_unusable) forget_findings(frame);
   frame.time_ms = time_ms(record, Stage::concentrate, place);
   frame.people_time_ms = time_ms(record, Stage::classify, place);
   return frame;

@@ -16,7 +16,7 @@ struct ReportedFrame {
   int line = 0;  ///< of the file, from 1
   std::optional<int> frame;
   std::string left;          ///< empty when the line does not say
-  bool is_unusable = false;  ///< the line has an "error": its program could not use the pair, and found nothing in it
+  bool is_unusable = false;  ///< the line has an "error": its program could not use the pair; nothing counts as found
   std::vector<Obstacle> obstacles;
   std::optional<std::vector<Pedestrian>> pedestrians;  ///< nothing when the line has no such list
   std::optional<Scan> scan;                            ///< nothing when the line has none

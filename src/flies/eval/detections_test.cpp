@@ -53,6 +53,22 @@ TEST(NoteOnUnusable, CountsLinesThatSayThatThePairCouldNotBeUsed) {
   EXPECT_EQ(note(found + "{\"obstacles\": [], \"error\": null}\n"), std::nullopt);
 }
 
+TEST(ParseDetections, TakesNothingAsFoundInAPairThatCouldNotBeUsed) {
+  const std::string found =
+      R"("obstacles": [{"x_m": 8, "y_m": 1}], "pedestrians": [{"x_m": 8, "y_m": 1, "probability": 0.9, "box": )"
+      R"({"u_px": 1, "v_px": 2, "width_px": 3, "height_px": 6}}], "scan": {"angle_min_rad": 0, )"
+      R"("angle_increment_rad": 0.1, "ranges_m": [8, null], "states": "of"}})";
+  const auto frames = parse_detections("{" + found + "\n{\"error\": \"a.png: is empty\", " + found + "\n", "d.jsonl");
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[0].obstacles.size(), 1U);
+  EXPECT_EQ(frames[0].pedestrians.value().size(), 1U);
+  EXPECT_EQ(frames[0].scan.value().states.front(), SectorState::obstacle);
+  EXPECT_TRUE(frames[1].is_unusable);
+  EXPECT_TRUE(frames[1].obstacles.empty());
+  EXPECT_TRUE(frames[1].pedestrians.value().empty()) << "it looked for people";
+  EXPECT_THAT(frames[1].scan.value().states, ::testing::Each(SectorState::unknown));
+}
+
 TEST(ParseDetections, ReadsWhatFliesDetectWrites) {
   FrameRecord record;
   record.frame = 3;
