@@ -187,9 +187,10 @@ std::vector<int> TrackKeeper::assign(std::span<const GroundState> expected, std:
   return assign_optimally(costs, expected.size(), sightings.size(), alone_costs);
 }
 
-bool TrackKeeper::has_ended(const Track& track) const {
+bool TrackKeeper::has_ended(const Track& track, double dt_s) const {
   if (track.probability < std::min(options_.min_probability, kLeastAlive)) return true;
-  return track.unseen_s > 0.0 && (track.unseen_s > options_.max_coast_s || !is_in_view(track));
+  const bool is_long = dt_s > kLongStep_s;
+  return track.unseen_s > 0.0 && (is_long || track.unseen_s > options_.max_coast_s || !is_in_view(track));
 }
 
 /// The median velocity of the corners on a thing: in its box and near its range, so not on what is behind.
@@ -325,7 +326,7 @@ std::vector<Track> TrackKeeper::step(const EgoMotion& ego, std::span<const Sight
     taken[j] = true;
     see(tracks_[i], sightings[j], ego);
   }
-  std::erase_if(tracks_, [&](const Track& t) { return has_ended(t); });
+  std::erase_if(tracks_, [&](const Track& t) { return has_ended(t, ego.dt_s); });
   for (std::size_t j = 0; j < sightings.size(); ++j)
     if (!taken[j]) tracks_.push_back(start(sightings[j], ego));
   join_doubles();

@@ -123,7 +123,8 @@ class TrackKeeper {
   /// @returns the sighting of each track, -1 where it has none
   std::vector<int> assign(std::span<const GroundState> expected, std::span<const Sighting> sightings) const;
   bool is_known_to_move(const Track& track) const;
-  bool has_ended(const Track& track) const;
+  /// @param dt_s of this step: no track coasts through a long one
+  bool has_ended(const Track& track, double dt_s) const;
   /// Above the road, between its foot and its head.
   Point3 point_on(const Track& track, double share_of_height) const;
   bool is_in_view(const Track& track) const;

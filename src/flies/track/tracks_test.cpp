@@ -229,6 +229,15 @@ TEST(TrackKeeper, EndsInALongStepWhatIsNotSeenAtItsEnd) {
   EXPECT_EQ(ids_of(keeper.step(standing(), std::vector{at(10, 0)})), (std::vector<std::uint64_t>{2}));
 }
 
+TEST(TrackKeeper, EndsInALongStepWhatIsNotSeenAtItsEndHoweverLongItMayCoast) {
+  TrackOptions patient;
+  patient.max_coast_s = 10.0;
+  TrackKeeper keeper(camera(), patient);
+  for (int i = 0; i < 10; ++i) keeper.step(standing(), std::vector{at(12, -1)});
+  EXPECT_TRUE(keeper.step(standing_for(2.5), {}).empty());
+  EXPECT_EQ(ids_of(keeper.step(standing(), std::vector{at(14, 3)})), (std::vector<std::uint64_t>{2}));
+}
+
 TEST(TrackKeeper, FollowsWhatEveryPairShowsWhereNothingMayCoast) {
   TrackOptions options;
   options.max_coast_s = 0.0;
