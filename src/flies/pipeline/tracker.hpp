@@ -49,7 +49,8 @@ class Tracker {
                    std::shared_ptr<const PeopleClassifier> classifier = default_people_classifier());
 
   /// A pair that is refused changes nothing, but for the way of the camera where it is known: tracks and what the
-  /// detector remembers move on by it.
+  /// detector remembers move on by it. Where the motion given with it, or estimated before the refusal, is unknown, all
+  /// tracks end. With a motion, its time counts as used.
   /// @param time_s   of the pair, a nanosecond or more after the one before
   /// @param measured the camera's motion where another sensor knows it; else it is estimated from the images, which
   ///                 takes two in a row without it: after a pair with it the motion of one without is unknown. Its

@@ -179,7 +179,7 @@ TEST(Tracker, WhatTheDetectorRemembersMovesOnOverRefusedPairs) {
   }
 }
 
-TEST(Tracker, OverARefusedPairWhoseMotionIsUnknownNothingMovesOn) {
+TEST(Tracker, ARefusedPairWhoseMotionIsUnknownEndsAllTracks) {
   const Scene scene(0);
   Tracker tracker(camera(), {}, {}, nullptr);
   const EgoMotion standing = given_ego_motion(0.1, 0.0, 0.0, 0.0);
