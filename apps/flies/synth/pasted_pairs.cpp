@@ -121,9 +121,7 @@ std::string name_of(std::size_t frame) { return fmt::format("{:06}", frame); }
 }  // namespace
 
 PastedPairs::PastedPairs(const std::string& people, const std::string& pairs, const flies::PasteOptions& options)
-    : people_folder_(people), dataset_(open_pairs(pairs)), cut_outs_(flies::load_cut_outs(people)), options_(options) {
-  say_notes(dataset_.notes);
-}
+    : people_folder_(people), dataset_(open_pairs(pairs)), options_(options) {}
 
 std::vector<std::string> PastedPairs::inputs() const {
   std::vector<std::string> files = dataset_.files;
@@ -149,6 +147,11 @@ std::vector<std::size_t> PastedPairs::choose(int start, int step, std::optional<
   const std::size_t count = frames ? static_cast<std::size_t>(*frames) : once.size();
   for (std::size_t i = 0; i < count; ++i) chosen.push_back(once[i % once.size()]);
   return chosen;
+}
+
+void PastedPairs::cut_out_people() {
+  cut_outs_ = flies::load_cut_outs(people_folder_);
+  say_notes(dataset_.notes);
 }
 
 void PastedPairs::write(const StagedFolder& folder, std::size_t frame, std::size_t pair) {

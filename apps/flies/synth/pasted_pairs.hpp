@@ -14,7 +14,7 @@
 /// Real pairs with people pasted in, for `flies synth --paste`.
 class PastedPairs {
  public:
-  /// @throws flies::InputError when either folder cannot be read
+  /// @throws flies::InputError when the pairs cannot be found
   PastedPairs(const std::string& people, const std::string& pairs, const flies::PasteOptions& options);
 
   /// What goes into `folder` must not take the place of what it is made of.
@@ -26,6 +26,10 @@ class PastedPairs {
   /// are fewer.
   /// @throws flies::InputError when there is none
   std::vector<std::size_t> choose(int start, int step, std::optional<int> frames) const;
+
+  /// Takes long. Call it once, before `write`.
+  /// @throws flies::InputError when the people cannot be read
+  void cut_out_people();
 
   /// Pastes people into a pair and writes both images, truth, labels and, where the pair has one, its disparity map.
   /// @param frame number of the pair in the result

@@ -203,6 +203,7 @@ void run_paste(const SynthArguments& arguments) {
   pairs.check_apart(arguments.folder, kEntries);
   const auto frames = pairs.choose(arguments.start, arguments.step, arguments.frames);
   StagedFolder folder(arguments.folder, kEntries, arguments.force);
+  pairs.cut_out_people();
   {
     ProgressBar progress(frames.size());
     for (std::size_t i = 0; i < frames.size(); ++i) {
