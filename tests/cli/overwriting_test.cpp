@@ -63,6 +63,21 @@ TEST_F(Overwriting, TrackRefusesItsInputs) {
   refuses_input({"track", "drv/left", "drv/right", "--calib", "calib.txt", "--json", "drv/right/1.png"});
 }
 
+TEST_F(Overwriting, AnInputIsRefusedUnderAnyOfItsNames) {
+  fs::create_hard_link(folder.path() / "drv/left/2.png", folder.path() / "hard.jsonl");
+  fs::create_symlink("drv/left/2.png", folder.path() / "soft.jsonl");
+  for (const char* name : {"hard.jsonl", "soft.jsonl", "./drv/../drv/left/2.png"})
+    refuses_input({"track", "drv", "--json", name});
+  refuses_input({"detect", "drv/left/2.png", "drv/right/2.png", "--calib", "calib.txt", "--json", "hard.jsonl"});
+}
+
+TEST_F(Overwriting, TwoOutputsMayNotBeOneFile) {
+  write_text(folder.path() / "t.jsonl", "an earlier result\n");
+  fs::create_hard_link(folder.path() / "t.jsonl", folder.path() / "t.txt");
+  refuses({"track", "drv", "--json", "t.jsonl", "--kitti", "t.txt"},
+          "t.txt: --kitti: this file is already the output of --json");
+}
+
 TEST_F(Overwriting, LiveRefusesItsInputs) {
   for (const char* input : {"drv/calib.yaml", "drv/times.txt", "drv/left/2.png"})
     refuses_input({"live", "drv", "--every-pair", "--record", input});
@@ -108,6 +123,10 @@ TEST_F(Overwriting, PastingRefusesTheFolderThatItTakesPairsFrom) {
   cv::imwrite((folder.path() / "people/a.png").string(), crop);
   cv::imwrite((folder.path() / "people/a_mask.png").string(), mask);
   refuses({"synth", "drv", "--force", "--paste", "people", "--onto", "drv"}, "in it is an input");
+  fs::create_directories(folder.path() / "nobody");
+  refuses({"synth", "drv", "--force", "--paste", "nobody", "--onto", "drv"}, "in it is an input");
+  refuses({"synth", "drv", "--paste", "nobody", "--onto", "drv"}, "in it is an input");
+  refuses({"synth", "people", "--paste", "nobody", "--onto", "drv"}, "the folder is not empty");
 }
 
 TEST_F(Overwriting, AnEarlierResultInTheSameFolderIsWrittenAgain) {

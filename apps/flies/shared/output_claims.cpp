@@ -1,5 +1,7 @@
 #include "shared/output_claims.hpp"
 
+#include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -13,9 +15,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// One spelling for all names of a file, links resolved as far as they exist.
+/// The same for all names of a file: of one that exists its number on its disk, for hard links have no common spelling;
+/// else its path, links resolved as far as they exist.
 std::string identity(const std::string& path) {
   if (path == "-") return path;
+  struct stat status = {};
+  if (::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode))
+    return fmt::format("{}:{}", status.st_dev, status.st_ino);
   std::error_code ignored;
   const fs::path canonical = fs::weakly_canonical(fs::absolute(path, ignored), ignored);
   return canonical.empty() ? path : canonical.string();

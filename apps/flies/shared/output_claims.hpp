@@ -47,5 +47,5 @@ class OutputClaims {
     std::string path, option;
   };
 
-  std::map<std::string, Writer> writer_of_file_;  ///< by the file's one spelling
+  std::map<std::string, Writer> writer_of_file_;  ///< by what all names of a file share
 };
