@@ -144,6 +144,16 @@ TEST_F(TrackCommand, TellsThatTheRateOverrulesTimes) {
   EXPECT_THAT(notes(words), HasSubstr("times are even, 20 pairs a second (--rate), instead of those in the names"));
 }
 
+TEST_F(TrackCommand, TellsThatTimesOverruleTheRate) {
+  write_text(folder.path() / "times.txt", "0.0\n0.1\n0.2\n");
+  Words words = {"--calib", "calib.txt", "--times", "times.txt", "--json", "-"};
+  EXPECT_THAT(run(words).err, ::testing::Not(HasSubstr("instead of")));
+  words.insert(words.end(), {"--rate", "20"});
+  const RunResult both = run(words);
+  ASSERT_EQ(both.status, 0) << both.err;
+  EXPECT_THAT(both.err, HasSubstr("times are those in times.txt (--times), instead of 20 pairs a second (--rate)"));
+}
+
 TEST_F(TrackCommand, RefusesTopicsOfImages) {
   const RunResult result = run({"--calib", "calib.txt", "--rate", "20", "--topics", "a,b", "--json", "t.jsonl"});
   EXPECT_EQ(result.status, 2);

@@ -149,7 +149,7 @@ void open_recording(SequenceSource& source, const std::string& path,
   if (source.calib.empty()) source.calib = path;
 }
 
-/// Where the times of their own are that a source has; nothing when it has none.
+/// Says where a source's own times stand; nothing when it has none.
 std::optional<std::string> place_of_times(const SequenceSource& source, const std::string& own_times) {
   if (source.recording) return "those of the recording";
   if (!own_times.empty()) return "those in " + own_times;
@@ -215,6 +215,9 @@ SequenceSource open_sequence(const SequenceRequest& request) {
 
   if (!request.times.empty()) {
     source.times_s = times_of(request.times, source.pairs, source.notes);
+    if (request.rate_hz)
+      source.notes.push_back(fmt::format("times are those in {} (--times), instead of {:.4g} pairs a second (--rate)",
+                                         request.times, *request.rate_hz));
   } else if (request.rate_hz) {
     source.times_s = even_times(source.pairs, *request.rate_hz, source.notes);
     if (const auto place = place_of_times(source, own_times))

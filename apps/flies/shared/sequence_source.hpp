@@ -36,9 +36,9 @@ struct SequenceRequest {
   std::optional<std::array<int, 2>> cameras;         ///< of a drive; else 0 and 1 if there, else 2 and 3
 };
 
-/// Times: those of `times`, else by `rate_hz`, which overrules the following with a note, else the drive's own
-/// image_XX/timestamps.txt or the recording's, else those in the names, else 10 Hz, with notes. The numbers in the
-/// names say which times of a file are meant, and where pairs are missing.
+/// Times: those of `times`, which overrules `rate_hz` with a note, else by `rate_hz`, which overrules the following
+/// with a note, else the drive's own image_XX/timestamps.txt or the recording's, else those in the names, else 10 Hz,
+/// with notes. The numbers in the names say which times of a file are meant, and where pairs are missing.
 /// @throws flies::InputError when a source is missing, counts differ, a drive lacks its calibration, or topics are
 ///         asked for without a recording
 SequenceSource open_sequence(const SequenceRequest& request);
