@@ -16,8 +16,6 @@
 #include "flies/classify/model_file.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
-#include "flies/eval/dataset.hpp"
-#include "flies/io/folder.hpp"
 #include "flies/io/output_file.hpp"
 #include "flies/train/training_report.hpp"
 #include "flies/version.hpp"
@@ -26,6 +24,7 @@
 #include "shared/output_claims.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/standard_output.hpp"
+#include "shared/training_inputs.hpp"
 
 namespace {
 
@@ -160,22 +159,14 @@ std::string command_line(const TrainArguments& arguments) {
   return text;
 }
 
-/// Before the work. Folders that are not there are told of when they are read.
+/// Before the work.
 void check_outputs(const TrainArguments& arguments) {
   OutputClaims claims;
   claims.writes(arguments.out, "--out");
   claims.writes(arguments.report, "--report");
-  const auto there = [](std::vector<std::string> folders) {
-    std::erase_if(folders, [](const std::string& folder) { return !flies::detail::is_there_as_folder(folder); });
-    return folders;
-  };
-  claims.reads(flies::files_to_train_on(there(arguments.positives)));
-  claims.reads(flies::files_to_train_on(there(arguments.negatives)));
-  for (const auto& folder : there(arguments.stereo_negatives)) {
-    const flies::Dataset dataset = flies::open_dataset(folder);
-    claims.reads(dataset.pairs);
-    claims.reads(dataset.files);
-  }
+  reads_pictures(claims, arguments.positives);
+  reads_pictures(claims, arguments.negatives);
+  reads_true_pairs(claims, arguments.stereo_negatives);
 }
 
 void run_train(const TrainArguments& arguments) {

@@ -20,6 +20,7 @@
 #include "shared/notes.hpp"
 #include "shared/output_claims.hpp"
 #include "shared/standard_output.hpp"
+#include "shared/training_inputs.hpp"
 #include "training.hpp"
 
 namespace {
@@ -116,6 +117,8 @@ void check(const flies::NetworkArguments& arguments) {
   for (const auto& model : {arguments.first, arguments.calibration_of, arguments.network_of}) claims.reads(model);
   claims.writes(arguments.out, "--out");
   claims.writes(arguments.report, "--report");
+  reads_pictures(claims, {arguments.folders.people});
+  reads_true_pairs(claims, arguments.folders.stereo);
 }
 
 std::string unexpected(const CLI::App& app) {

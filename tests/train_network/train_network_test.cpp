@@ -77,6 +77,19 @@ TEST_F(TrainNetwork, NamesLabelLinesThatCannotBeRead) {
   expect_refused(train({"--out", "net.json"}), "kitti_000003.txt: line 1: found 5 fields");
 }
 
+TEST_F(TrainNetwork, RefusesToWriteOverWhatItReads) {
+  for (const std::string input : {"people/train/positives/inria/100.png", "people/train/negatives/100.png",
+                                  "people/pictures/images/kitti_000003.png", "people/pictures/label_2/kitti_000003.txt",
+                                  "people/pictures/partly/images/coco_000008.png"}) {
+    const std::string before = content(input);
+    expect_refused(train({"--out", input}), input + ": --out: this file is already an input");
+    expect_refused(train({"--out", "net.json", "--report", input}),
+                   input + ": --report: this file is already an input");
+    EXPECT_EQ(content(input), before);
+  }
+  EXPECT_THAT(written(), IsEmpty());
+}
+
 TEST_F(TrainNetwork, WritesAModelAndAReport) {
   const RunResult result = run_flies(folder.path(), train({"--out", "net.json", "--report", "net.html"}));
   ASSERT_EQ(result.status, 0) << result.err;
