@@ -44,7 +44,7 @@ constexpr Words kWords[kPairTroubles] = {
 
 /// What is told of it the first time.
 std::string first_words(PairTrouble trouble, const NearEnd& near) {
-  const std::string words = kWords[static_cast<std::size_t>(trouble)].first;
+  std::string words = kWords[static_cast<std::size_t>(trouble)].first;
   if (trouble != PairTrouble::too_near) return words;
   return words + (near.preset == kNearPreset ? ")" : fmt::format("; --preset {} is for near things)", kNearPreset));
 }

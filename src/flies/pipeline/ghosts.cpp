@@ -39,7 +39,7 @@ void drop(const std::function<bool(const Obstacle&)>& is_dropped, ConcentrateRes
   for (std::size_t i = 0; i < found.obstacles.size(); ++i) {
     if (is_dropped(found.obstacles[i])) continue;
     number[i] = static_cast<int>(kept.size());
-    kept.push_back(std::move(found.obstacles[i]));
+    kept.push_back(found.obstacles[i]);
   }
   found.obstacles = std::move(kept);
   for (int& obstacle : found.obstacle_of_fly)

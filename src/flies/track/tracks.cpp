@@ -166,7 +166,7 @@ std::vector<GroundState> TrackKeeper::predict_all(const EgoMotion& ego) {
     track.unseen_s += ego.dt_s;
     if (!is_long && !is_in_view(track)) continue;
     expected.push_back(is_long ? steady : track.state);
-    kept.push_back(std::move(track));
+    kept.push_back(track);
   }
   tracks_ = std::move(kept);
   return expected;
