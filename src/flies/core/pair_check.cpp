@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/quantile.hpp"
 
 namespace flies {
 namespace {
@@ -150,10 +151,7 @@ int strongest_edge(const Band& band, int first_u, int last_u) {
 
 double nearness_px(std::vector<double> disparities_px) {
   constexpr std::size_t kFewest = 10;
-  if (disparities_px.size() < kFewest) return 0.0;
-  const auto at = disparities_px.begin() + static_cast<std::ptrdiff_t>(disparities_px.size() * 4 / 5);
-  std::nth_element(disparities_px.begin(), at, disparities_px.end());
-  return *at;
+  return disparities_px.size() < kFewest ? 0.0 : quantile(std::move(disparities_px), 0.8);
 }
 
 bool is_another_scene(const PairEvidence& evidence) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,14 @@ namespace flies {
 template <class T>
 T quantile(std::vector<T> values, double q) {
   const auto at = values.begin() + std::lround(q * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// The same without a copy, for the hot path: the rank is rounded down, and `values` are left in another order.
+template <class T>
+T lower_quantile(std::vector<T>& values, double q) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }

@@ -12,6 +12,9 @@ TEST(Quantile, IsTheValueOfTheNearestRank) {
   EXPECT_EQ(quantile(values, 0.3), 2);  // rank 1.2
   EXPECT_EQ(quantile(values, 0.4), 3);  // rank 1.6
   EXPECT_EQ(quantile(std::vector<float>{7.5F}, 0.9), 7.5F);
+  std::vector<double> reordered = values;
+  EXPECT_EQ(lower_quantile(reordered, 0.4), 2);  // rank 1.6
+  EXPECT_EQ(lower_quantile(reordered, 1.0), 5);
 }
 
 TEST(UpperMedian, IsTheUpperOfTwoMiddleValues) {

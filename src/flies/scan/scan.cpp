@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/core/usable_pair.hpp"
 #include "flies/scan/blind_columns.hpp"
 
@@ -74,10 +75,7 @@ double obstacle_range_m(const Reading& r, int column, double disparity_px, std::
     ranges_m.push_back(r.range_m(band, column, point.disparity_px));
   }
   if (ranges_m.empty()) return r.range_m(std::min(lowest_band, r.layout.bands - 1), column, disparity_px);
-  const auto at = ranges_m.begin() +
-                  static_cast<std::ptrdiff_t>(r.options.near_quantile * static_cast<double>(ranges_m.size() - 1));
-  std::nth_element(ranges_m.begin(), at, ranges_m.end());
-  return *at;
+  return lower_quantile(ranges_m, r.options.near_quantile);
 }
 
 /// The road as a column shows it from the bottom of the image upwards.
