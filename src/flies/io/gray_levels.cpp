@@ -101,7 +101,7 @@ double roughness(const cv::Mat& image) {
 /// The band that is worth stretching, when too little contrast would be left of 256 levels: a hot pixel far above all
 /// others, or a scene in a narrow band of levels, as in fog or of thermal cameras. Good pairs have 211 levels and more.
 /// Of 72 obstacles in six pairs of kitti_stereo2012, 66, 41 and 32 are left with 0.75, 0.3 and 0.15 of their contrast,
-/// and 68 with 0.15 of it stretched. What is mostly noise, as of dark or covered cameras, would become texture.
+/// and 62 with 0.15 of it stretched. What is mostly noise, as of dark or covered cameras, would become texture.
 std::optional<Band> narrow_band(Images images, int bit_depth) {
   constexpr int kEnoughLevels = 160, kHardlyAny = 40;  // after shifting
   constexpr int kLeastLevels = 16;                     // fewer are noise
