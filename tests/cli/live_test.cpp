@@ -24,9 +24,13 @@ namespace flies::testing {
 namespace {
 
 using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::DoubleNear;
 using ::testing::Each;
+using ::testing::Ge;
 using ::testing::HasSubstr;
+using ::testing::Lt;
 using ::testing::Not;
 using ::testing::Pointwise;
 using ::testing::SizeIs;
@@ -179,6 +183,15 @@ TEST_F(LiveCommand, FoldersComeInTheirOwnTimes) {
   const RunResult film = run({"beside.avi", "--calib", "calib.txt", "--times", "times.txt"});
   EXPECT_EQ(film.status, 2);
   EXPECT_THAT(film.err, HasSubstr("--times: is for folders of images"));
+}
+
+TEST_F(LiveCommand, APairThatTakesLongHasItsResultHoweverManyComeMeanwhile) {
+  constexpr int kPairs = 60;
+  const auto all = records({"left", "right", "--loop", "--rate", "500", "--max-pairs", std::to_string(kPairs),
+                            "--calib", "calib.txt", "--evolve.generations", "1000", "--json", "-"});
+  std::vector<int> frames;
+  for (const json& record : all) frames.push_back(record.at("frame"));
+  EXPECT_THAT(frames, Contains(AllOf(Ge(5), Lt(kPairs - 1))));  // the last is worked on when nothing more comes
 }
 
 TEST_F(LiveCommand, QuietSaysNothingButResults) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <thread>
 #include <utility>
 
@@ -272,6 +273,13 @@ std::string LiveRun::fault_of(const LivePair& pair) {
   return {};
 }
 
+/// The engine has dropped the pair that was submitted before this one.
+void LiveRun::forget_the_one_before(const LivePair& pair) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find(recent_, pair.number, [](const auto& one) { return one->number; });
+  if (found != recent_.begin() && found != recent_.end()) recent_.erase(std::prev(found));
+}
+
 /// @param is_awaited no pair may overtake this one
 void LiveRun::submit(std::shared_ptr<LivePair> pair, bool is_awaited) {
   renew_worker_if_asked(pair->number);
@@ -289,7 +297,7 @@ void LiveRun::submit(std::shared_ptr<LivePair> pair, bool is_awaited) {
     recent_.push_back(pair);
     if (recent_.size() > kRecentPairs) recent_.erase(recent_.begin());
   }
-  worker->engine->submit(pair->images.view(), pair->time_s);
+  if (worker->engine->submit(pair->images.view(), pair->time_s)) forget_the_one_before(*pair);
   ++submitted_;
   if (!is_awaited) return;
   std::unique_lock lock(mutex_);

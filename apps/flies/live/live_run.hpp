@@ -91,6 +91,7 @@ class LiveRun {
   std::shared_ptr<LivePair> prepare(flies::StereoFrame frame);
   std::string fault_of(const LivePair& pair);
   void submit(std::shared_ptr<LivePair> pair, bool is_awaited);
+  void forget_the_one_before(const LivePair& pair);
   void renew_worker_if_asked(std::uint64_t number);
   void hand_on();
   std::shared_ptr<const Worker> worker_unless_ending();

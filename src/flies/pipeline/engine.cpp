@@ -131,7 +131,7 @@ Engine::~Engine() {
   state_->worker.join();
 }
 
-void Engine::submit(const RectifiedPair& given, double time_s) {
+bool Engine::submit(const RectifiedPair& given, double time_s) {
   const RectifiedPair pair = detail::usable_pair(given);
   check_camera_fits(state_->camera, pair.left.width_px, pair.left.height_px, "camera");
   std::unique_ptr<OwnPair> own;
@@ -143,6 +143,7 @@ void Engine::submit(const RectifiedPair& given, double time_s) {
   own->copy(pair);
   own->time_s = time_s;
   own->arrived = Clock::now();
+  bool is_one_dropped = false;
   {
     const std::lock_guard lock(state_->mutex);
     if (!std::isfinite(time_s)) throw InputError("pair", "time", fmt::format("{} is no time in seconds", time_s));
@@ -151,13 +152,15 @@ void Engine::submit(const RectifiedPair& given, double time_s) {
                        fmt::format("{} s is not later than {} s of the pair before", time_s, state_->last_time_s));
     state_->last_time_s = time_s;
     ++state_->submitted;
-    if (state_->next) {
+    is_one_dropped = state_->next != nullptr;
+    if (is_one_dropped) {
       ++state_->dropped;
       state_->spare = std::move(state_->next);
     }
     state_->next = std::move(own);
   }
   state_->pair_came.notify_one();
+  return is_one_dropped;
 }
 
 std::shared_ptr<const Snapshot> Engine::snapshot() const { return state_->snapshot(); }

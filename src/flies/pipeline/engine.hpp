@@ -46,8 +46,9 @@ class Engine {
 
   /// Copies the pair.
   /// @param time_s of the pair, later than that of the one before
+  /// @returns whether the pair before it still waited, and is dropped
   /// @throws InputError when the images are empty or do not fit the camera, or time does not advance
-  void submit(const RectifiedPair& pair, double time_s);
+  bool submit(const RectifiedPair& pair, double time_s);
 
   /// The newest result. Never null.
   std::shared_ptr<const Snapshot> snapshot() const;
