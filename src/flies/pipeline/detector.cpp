@@ -142,6 +142,8 @@ std::optional<PlanarMotion> Detector::find_obstacles(const RectifiedPair& pair, 
   d.road = timed(d.stage_ms, Stage::road, [&] { return estimate_road(pair, projection_, options_.road); });
   const RoadPlane& road = d.road.plane;
   const FieldOptions field = detail::lived_in(options_.field, camera_);
+  EvolveOptions evolve = options_.evolve;
+  evolve.flies = detail::flies_in(field, options_.field, evolve.flies);
   const auto scan = [&](const Population& flies) {
     return timed(d.stage_ms, Stage::scan, [&] {
       return scanner_.scan(pair, projection_, road, flies, options_.field, options_.scan, [&] { return motion.get(); });
@@ -152,7 +154,7 @@ std::optional<PlanarMotion> Detector::find_obstacles(const RectifiedPair& pair, 
   if (!scan_asks_flies) scanned.start([&] { return scan({}); });
   d.evolved = timed(d.stage_ms, Stage::evolve, [&] {
     return undistracted([&] {
-      return evolver_.evolve(pair, projection_, road, field, options_.fitness, options_.evolve, {options_.seed, frame_},
+      return evolver_.evolve(pair, projection_, road, field, options_.fitness, evolve, {options_.seed, frame_},
                              last_obstacles_);
     });
   });

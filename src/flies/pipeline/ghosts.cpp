@@ -18,6 +18,12 @@ FieldOptions lived_in(const FieldOptions& reported, const StereoCamera& camera) 
   return field;
 }
 
+int flies_in(const FieldOptions& lived, const FieldOptions& reported, int flies) {
+  constexpr double kMost = 4.0;
+  const double larger = std::log(lived.x_max_m / lived.x_min_m) / std::log(reported.x_max_m / reported.x_min_m);
+  return static_cast<int>(std::lround(std::min(larger, kMost) * flies));
+}
+
 bool is_seen_through(const Obstacle& obstacle, const Scan& scan) {
   constexpr double kTall_m = 1.0, kFarBehind = 1.5;  // times its range
   if (scan.empty() || obstacle.height_m < kTall_m) return false;

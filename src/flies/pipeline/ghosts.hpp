@@ -16,6 +16,10 @@ namespace flies::detail {
 /// it otherwise, for want of a better place.
 FieldOptions lived_in(const FieldOptions& reported, const StereoCamera& camera);
 
+/// How many flies live in `lived` when `flies` are wanted in `reported`: as many for each piece of the logarithm of the
+/// range, in which they are spread evenly, but four times as many at most.
+int flies_in(const FieldOptions& lived, const FieldOptions& reported, int flies);
+
 /// Whether the scan sees the ground go on far behind an obstacle that is taller than 1 m, in all directions in which it
 /// stands. Before a camera that looks for small things from 0.3 m on, textures of houses and markings that match by
 /// chance make such posts a few centimetres wide.

@@ -22,6 +22,18 @@ TEST(FarEnd, FliesLiveBeyondItWhereRangesAreHardlyKnown) {
   EXPECT_EQ(lived_in(reported, camera).x_max_m, 4.0);
 }
 
+TEST(FarEnd, FliesAreAsDenseInALongerField) {
+  FieldOptions reported;
+  reported.x_min_m = 2.0;
+  reported.x_max_m = 8.0;
+  EXPECT_EQ(flies_in(reported, reported, 4001), 4001);
+  FieldOptions lived = reported;
+  lived.x_max_m = 32.0;  // two octaves more on two
+  EXPECT_EQ(flies_in(lived, reported, 4001), 8002);
+  reported.x_max_m = 2.1;
+  EXPECT_EQ(flies_in(lived, reported, 1000), 4000);
+}
+
 TEST(Drop, NumbersWhatIsLeftAnew) {
   ConcentrateResult found;
   for (const double x_m : {3.0, 12.0, 8.0}) {
