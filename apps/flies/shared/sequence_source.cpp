@@ -87,8 +87,7 @@ std::vector<double> times_of(const std::string& file, const std::vector<flies::P
   const auto last = static_cast<std::int64_t>(held);
   if (!numbers || numbers->front() < 0 || numbers->back() > last || (numbers->back() == last && numbers->front() < 1)) {
     notes.push_back(
-        fmt::format("{}: holds {} times for {} pairs whose names do not say which are theirs: the first {} "
-                    "are taken",
+        fmt::format("{}: holds {} times for {} pairs whose names do not say which are theirs: the first {} are taken",
                     file, held, count, count));
     times_s.resize(count);
     return times_s;

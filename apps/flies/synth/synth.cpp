@@ -41,30 +41,20 @@ struct SynthArguments {
   int start = 0, step = 1;
 };
 
-/// The kind of scene is called `--scene` there.
-template <class Options>
-void set_from_command_line(Options& options, const std::string& name, const std::string& text) {
-  try {
-    flies::set_option(options, name, text, "command line");
-  } catch (const flies::InputError& fault) {
-    constexpr std::string_view kPlace = "command line: kind: ";
-    const std::string_view told = fault.what();
-    if (!told.starts_with(kPlace)) throw;
-    throw flies::InputError("command line", "--scene", std::string(told.substr(kPlace.size())));
-  }
-}
-
 template <class Options>
 Options with_settings(Options options, const SynthArguments& arguments) {
   if (!arguments.options_file.empty())
     for (const auto& setting : flies::load_options_yaml(arguments.options_file))
       flies::set_option(options, setting.path, setting.text, setting.source);
-  for (const auto& [name, text] : arguments.overrides) set_from_command_line(options, name, text);
+  for (const auto& [name, text] : arguments.overrides) flies::set_option(options, name, text, "command line");
   return options;
 }
 
 /// What is not set is as the place usually has it.
 flies::SceneOptions effective_options(const SynthArguments& arguments) {
+  for (const auto& [name, text] : arguments.overrides)  // the kind of scene is called `--scene` there
+    if (name == "kind")
+      flies::detail::parse_name(text, flies::EnumNames<flies::SceneKind>::names, "--scene", "command line");
   return with_settings(flies::scene_defaults(with_settings(flies::SceneOptions{}, arguments).kind), arguments);
 }
 

@@ -119,10 +119,9 @@ std::vector<std::string> check_focal_length(const StereoCamera& camera, const st
     const auto view = sees_to_the_side ? "" : fmt::format(", a field of view of {:.3g} degrees", angle_deg);
     const auto found = fmt::format("{:.4g} px for images of {:.0f} px across{}", camera.fx_px, width_px, view);
     if (share < (sees_to_the_side ? kLeastFisheyeFocal : kLeastFocal))
-      throw InputError(source, field,
-                       fmt::format("found {}: is it in millimetres, or normalised by the image "
-                                   "size? expected pixels",
-                                   found));
+      throw InputError(
+          source, field,
+          fmt::format("found {}: is it in millimetres, or normalised by the image size? expected pixels", found));
     if (share > kMostFocal)
       throw InputError(source, field, fmt::format("found {}: is it in micrometres? expected pixels", found));
     if (!sees_to_the_side && (share < kProbableFocal || share > kProbableMostFocal))

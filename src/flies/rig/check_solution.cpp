@@ -68,8 +68,7 @@ void require_fit(const BoardTools& tools, const Board& board, const std::vector<
   const bool is_other_board = solution.alone_rms_px > kOtherBoard_px;
   throw InputError(
       kSource, "error",
-      fmt::format("corners are {:.2f} px off on average, with one camera alone {:.2f} px, expected less "
-                  "than {}: {}",
+      fmt::format("corners are {:.2f} px off on average, with one camera alone {:.2f} px, expected less than {}: {}",
                   solution.rms_px, solution.alone_rms_px, kMostError_px,
                   is_other_board ? "the board has another layout or other counts than --kind and --board say"
                                  : "is the board flat, printed as high as wide, are --marker and --lens right?"));
@@ -103,8 +102,7 @@ void require_side_by_side(const RawStereo& raw) {
   if (centre_m[0] < 0.0)
     throw InputError(
         kSource, "baseline",
-        "left and right are swapped, or all images are upside down or mirrored: the right camera stands to "
-        "the left");
+        "left and right are swapped, or all images are upside down or mirrored: the right camera stands to the left");
 }
 
 /// A board that moves between both shots is seen in two places.
@@ -148,8 +146,7 @@ void check_focal_length(const RigSolution& solution, std::vector<std::string>& n
                                  "before the cameras",
                                  known, 100.0 * kMostDeviation, lean));
   notes.push_back(
-      fmt::format("the focal length is {}, and all ranges may be as wrong: {}; more views with the board "
-                  "aslant help",
+      fmt::format("the focal length is {}, and all ranges may be as wrong: {}; more views with the board aslant help",
                   known, lean));
 }
 

@@ -54,8 +54,7 @@ Calibration read_rectified(const NumberTable& table, const std::string& prefix, 
   if (opencv_names(table).has_matrices)
     calibration.notes.push_back(
         {"the images are taken as rectified, as Camera.fx and Camera.bf are; the file also holds camera matrices of "
-         "raw "
-         "cameras, which are ignored",
+         "raw cameras, which are ignored",
          CalibrationNoteKind::told});
   return calibration;
 }

@@ -142,8 +142,7 @@ std::string cause_of_failure(const RawPair& pair) {
         pair.left_key, pair.right_key, left_px, right_px);
   if (apart_m < kLeastBaseline_m)
     return fmt::format(
-        "the cameras stand {:.4g} m apart ({}): is the unit of the translation, or of one of its "
-        "numbers, another?",
+        "the cameras stand {:.4g} m apart ({}): is the unit of the translation, or of one of its numbers, another?",
         apart_m, pair.pose_key);
   return {};
 }
