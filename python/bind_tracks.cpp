@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "flies/core/options.hpp"
@@ -131,6 +132,10 @@ void bind_track(py::module_& module) {
       });
 }
 
+std::optional<double> shift_px(const flies::EgoMotion& ego) {
+  return ego.disparity_shift ? std::optional(ego.disparity_shift->px) : std::nullopt;
+}
+
 void bind_ego_motion(py::module_& module) {
   using flies::EgoMotion;
   py::class_<EgoMotion>(module, "EgoMotion", "How the camera moved over ground since the pair before.")
@@ -139,8 +144,25 @@ void bind_ego_motion(py::module_& module) {
       .def_readonly("vx_mps", &EgoMotion::vx_mps, "Forward, metres a second.")
       .def_readonly("vy_mps", &EgoMotion::vy_mps, "To the left, metres a second.")
       .def_readonly("yaw_rate_rps", &EgoMotion::yaw_rate_rps, "Radians a second, positive to the left.")
-      .def(pickled<EgoMotion, &EgoMotion::is_known, &EgoMotion::dt_s, &EgoMotion::vx_mps, &EgoMotion::vy_mps,
-                   &EgoMotion::yaw_rate_rps>())
+      .def_property_readonly("disparity_shift_px", &shift_px,
+                             "All disparities are too small by this, by how corners moved since the pair before; "
+                             "negative: too large. None\n"
+                             "where they do not tell. One pair may be wrong by 2 px: take the median of ten and more.")
+      .def(py::pickle(
+          [](const EgoMotion& e) {
+            return py::make_tuple(e.is_known, e.dt_s, e.vx_mps, e.vy_mps, e.yaw_rate_rps, shift_px(e));
+          },
+          [](const py::tuple& state) {
+            check_pickle(state, 6);
+            EgoMotion e;
+            e.is_known = state[0].cast<bool>();
+            e.dt_s = state[1].cast<double>();
+            e.vx_mps = state[2].cast<double>();
+            e.vy_mps = state[3].cast<double>();
+            e.yaw_rate_rps = state[4].cast<double>();
+            if (!state[5].is_none()) e.disparity_shift = {state[5].cast<double>(), 0.0};
+            return e;
+          }))
       .def("__repr__", [](const EgoMotion& e) {
         return e.is_known ? fmt::format("<flies.EgoMotion {:.2f} m/s forward, {:.2f} m/s to the left, {:.3f} rad/s>",
                                         e.vx_mps, e.vy_mps, e.yaw_rate_rps)

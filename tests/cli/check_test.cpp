@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -304,6 +305,32 @@ TEST_F(Check, RefusesWhatDetectRefuses) {
   EXPECT_EQ(missing.status, 2);
   EXPECT_EQ(lines(missing.err).size(), 1U);
   EXPECT_THAT(missing.err, HasSubstr("nowhere.png"));
+}
+
+TEST(CheckADrawnSequence, TellsCamerasThatAreTurnedAgainstEachOther) {
+  const TestFolder folder;
+  ASSERT_EQ(run_flies(folder.path(), {"synth", "drive", "--sequence", "--frames", "12", "--width_px", "621",
+                                      "--height_px", "188", "--focal_px", "360.75", "--samples_per_side", "1"})
+                .status,
+            0);
+  const std::string right = read_text(folder.path() / "drive" / "calib.yaml");
+  const std::string name = "cx_right_px: ";
+  const auto at = right.find(name) + name.size();
+  const double cx_px = std::stod(right.substr(at));
+  const auto told = [&](double moved_px) {
+    std::string moved = right;
+    moved.replace(at, right.find('\n', at) - at, std::to_string(cx_px + moved_px));
+    std::ofstream(folder.path() / "moved.yaml") << moved;
+    return run_flies(folder.path(), {"check", "drive/left", "drive/right", "--calib", "moved.yaml", "--json"});
+  };
+  const json good = json::parse(told(0.0).out), bad = json::parse(told(5.0).out);
+  EXPECT_NEAR(good.at("disparity_shift_px").get<double>(), 0.0, 0.5);
+  EXPECT_TRUE(good.at("looks_right").get<bool>()) << good.at("notes");
+  EXPECT_NEAR(bad.at("disparity_shift_px").get<double>(), -5.0, 0.5);
+  EXPECT_THAT(bad.at("notes").dump(), HasSubstr("px too large"));
+  const RunResult track = run_flies(folder.path(), {"track", "drive", "--calib", "moved.yaml", "--json", "-"});
+  EXPECT_THAT(track.err, HasSubstr("by how corners move from pair to pair, all disparities are"));
+  EXPECT_NEAR(json::parse(lines(track.out).back()).at("ego").at("disparity_shift_px").get<double>(), -5.0, 1.0);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,8 @@
 #include "flies/diagnose/pair_diagnosis.hpp"
 #include "flies/diagnose/pair_watch.hpp"
 #include "flies/draw/row_picture.hpp"
+#include "flies/ego/ego_motion.hpp"
+#include "flies/ego/shift_watch.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
 #include "flies/io/output_file.hpp"
@@ -32,9 +35,17 @@
 namespace {
 
 constexpr std::size_t kMostPairs = 200;  // of a long run, spread evenly
+constexpr std::size_t kMostSteps = 40;   // from a pair to the next
+
+/// By which corners move from pair to pair, where pairs follow each other.
+struct SeenShift {
+  std::optional<flies::DisparityShift> shift;
+  std::size_t pairs = 0;  ///< that tell it
+};
 
 struct Checked {
   CalibratedRun run;
+  SeenShift shift;
   std::vector<std::string> to_check;  ///< sentences, each on something that may be wrong
   std::vector<std::string> notes;     ///< on how the calibration was taken
 
@@ -77,11 +88,34 @@ std::vector<std::string> notes_on_each(const CalibratedRun& run) {
   return notes;
 }
 
+/// Of steps from one pair to the next, spread evenly over the run.
+SeenShift seen_shift(const CalibratedRun& run) {
+  if (run.paths.size() < 2) return {};
+  flies::DisparityShiftWatch watch;
+  const std::size_t steps = std::min(kMostSteps, run.paths.size() - 1);
+  for (std::size_t k = 0; k < steps; ++k) {
+    const std::size_t i = k * (run.paths.size() - 1) / steps;
+    try {
+      flies::EgoEstimator estimator(run.calibration.camera);
+      estimator.follow(run.usable(i).view(), 0.0);
+      watch.look(estimator.follow(run.usable(i + 1).view(), 1.0));
+    } catch (const flies::InputError&) {  // told by `notes_on_each`
+    }
+  }
+  return {watch.shift(), watch.pairs()};
+}
+
 void check_picture(const CheckArguments& arguments, const std::vector<flies::PairPaths>& pairs) {
   OutputClaims claims;
   claims.reads(pairs);
   claims.reads_calibration(arguments.calib, arguments.camera.right_calib);
   claims.writes(arguments.picture, "--picture");
+}
+
+std::vector<std::string> notes_on_shift(const Checked& checked) {
+  if (!checked.shift.shift) return {};
+  const auto note = flies::note_on_shift(*checked.shift.shift, checked.shift.pairs, checked.run.calibration.camera);
+  return note.empty() ? std::vector<std::string>{} : std::vector{note};
 }
 
 Checked check(const CheckArguments& arguments) {
@@ -103,6 +137,8 @@ Checked check(const CheckArguments& arguments) {
   add(checked.to_check, on_calibration(flies::CalibrationNoteKind::doubt));
   add(checked.to_check, matched.notes);
   add(checked.to_check, notes_on_each(checked.run));  // which explain the rest
+  checked.shift = seen_shift(checked.run);
+  add(checked.to_check, notes_on_shift(checked));
   add(checked.to_check, checked.run.diagnosis.notes);
   add(checked.notes, on_calibration(flies::CalibrationNoteKind::mount));
   add(checked.notes, on_calibration(flies::CalibrationNoteKind::told));
@@ -125,6 +161,7 @@ std::vector<std::string> doubts_on_rig(const Checked& checked, const std::string
   of_rig.nearer_above.reset();
   of_rig.dark_share = of_rig.bright_share = 0.0;
   for (auto& complaint : flies::complaints(of_rig)) doubts.push_back(std::move(complaint));
+  for (auto& note : notes_on_shift(checked)) doubts.push_back(std::move(note));
   return doubts;
 }
 
@@ -148,6 +185,10 @@ std::string table(const Checked& checked) {
                    : "too few corners to tell");
   if (d.rows && d.rows->growth != 0.0)
     line("size", fmt::format("the right image {:+.1f} % larger than the left one", 100.0 * d.rows->growth));
+  if (const auto& [shift, pairs] = checked.shift; shift)
+    line("disparities",
+         fmt::format("{:.1f} px too {} by how corners move ({} pairs, which differ by {:.1f} px)", std::abs(shift->px),
+                     shift->px < 0.0 ? "large" : "small", pairs, shift->deviation_px));
   line("road", d.road_found ? "found" : "not found");
   const auto& mount = checked.mount().mount;
   line("camera", fmt::format("{:.2f} m above the road, {:.1f} degrees down, {:.1f} to the right: {}", mount.height_m,
@@ -178,6 +219,7 @@ std::string json(const Checked& checked) {
                                    {"row_growth", nullptr},
                                    {"row_scatter_px", nullptr},
                                    {"nearer_above", nullptr},
+                                   {"disparity_shift_px", nullptr},
                                    {"road_found", d.road_found},
                                    {"camera_height_m", checked.mount().mount.height_m},
                                    {"camera_pitch_rad", checked.mount().mount.pitch_rad},
@@ -186,6 +228,7 @@ std::string json(const Checked& checked) {
                                    {"looks_right", checked.to_check.empty()},
                                    {"notes", checked.to_check}};
   if (d.nearer_above) object["nearer_above"] = *d.nearer_above;
+  if (checked.shift.shift) object["disparity_shift_px"] = checked.shift.shift->px;
   if (d.rows) {
     object["row_offset_px"] = d.rows->offset_px;
     object["row_roll_rad"] = d.rows->slope;
@@ -238,8 +281,9 @@ void setup_check(CLI::App& app) {
   command->footer(
       "\nLooks at how much of the images can be matched at all, how much of the left one is found on the same\n"
       "row of the right one, whether anything would lie beyond infinity, by how much the rows lie apart, and\n"
-      "whether the road is where the mount of the camera says, and if not, where it is; says what to do about\n"
-      "what is not as it should be.\n"
+      "whether the road is where the mount of the camera says, and if not, where it is; where pairs follow\n"
+      "each other and the camera moves, whether all disparities are too small or too large, as of cameras\n"
+      "that are turned against each other. Says what to do about what is not as it should be.\n"
       "\nExamples:\n"
       "  flies check left.png right.png --calib calib.yaml --picture rows.png\n"
       "  flies check image_00/data image_01/data --calib calib_cam_to_cam.txt --json\n"

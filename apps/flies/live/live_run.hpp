@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "flies/diagnose/pair_watch.hpp"
+#include "flies/ego/shift_watch.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/pipeline/engine.hpp"
 #include "flies/video/pair_stream.hpp"
@@ -142,5 +143,6 @@ class LiveRun {
   std::uint64_t overtaken_ = 0;                    ///< results that newer ones pushed out before they were handed on
   std::uint64_t ids_before_ = 0, highest_id_ = 0;  ///< of tracks
   bool error_told_ = false;
+  flies::DisparityShiftWatch shift_watch_;
   GroundPose pose_;
 };

@@ -109,6 +109,8 @@ void LiveRun::hand_on_results() {
   if (!snapshot->error.empty() && !std::exchange(error_told_, true)) say(snapshot->error);
   const auto pair = pair_at(snapshot->tracking.time_s);
   if (pair && snapshot->error.empty()) {
+    shift_watch_.look(snapshot->tracking.ego);
+    if (const auto note = shift_watch_.first_note(handing_worker_->camera); !note.empty()) say(note);
     pose_ = moved(pose_, snapshot->tracking.ego);
     for (const auto& track : snapshot->tracking.tracks) highest_id_ = std::max(highest_id_, track.id);
     hand_on_passed_over(pair->number);

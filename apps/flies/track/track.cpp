@@ -13,6 +13,7 @@
 #include "flies/core/pair_check.hpp"
 #include "flies/diagnose/pair_watch.hpp"
 #include "flies/draw/track_view.hpp"
+#include "flies/ego/shift_watch.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
 #include "flies/pipeline/tracker.hpp"
@@ -156,6 +157,7 @@ void run_track(TrackArguments arguments) {
   ReadAhead<flies::GrayPair> ahead(
       source.pairs.size(), [&](std::size_t i) { return run.usable(i); }, options.threads != 1);
   flies::PairWatch watch;
+  flies::DisparityShiftWatch shift_watch;
   std::vector<std::string> faults;
   for (std::size_t i = 0; i < source.pairs.size(); ++i) {
     TrackedFrame frame{.frame = static_cast<int>(i),
@@ -174,6 +176,8 @@ void run_track(TrackArguments arguments) {
       say_notes(watch.look(images.view(), camera, frame.left, {nearest_range_m(options), arguments.method.preset}));
       if (watch.is_no_pair()) flies::check_true_pair(images.view(), camera, frame.left, frame.right);
       frame.tracking = tracker.process(images.view(), source.times_s[i]);
+      shift_watch.look(frame.tracking.ego);
+      if (const auto note = shift_watch.first_note(camera); !note.empty()) say_notes({note});
     } catch (const flies::InputError& error) {  // costs this pair, not the others
       if (source.pairs.size() == 1) throw;
       fault = error.what();

@@ -26,7 +26,8 @@ Json ego_of(const flies::EgoMotion& ego) {
           {"vy_sd_mps", rounded(std::sqrt(ego.covariance[1][1]))},
           {"yaw_rate_sd_rps", rounded(std::sqrt(ego.covariance[2][2]), 5)},
           {"followed", ego.followed},
-          {"agreeing", ego.agreeing}};
+          {"agreeing", ego.agreeing},
+          {"disparity_shift_px", ego.disparity_shift ? rounded(ego.disparity_shift->px, 2) : Json(nullptr)}};
 }
 
 double range_m(const flies::Track& track) { return std::hypot(track.state.x_m, track.state.y_m); }

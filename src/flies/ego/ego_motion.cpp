@@ -159,7 +159,20 @@ struct EgoEstimator::Memory {
   std::vector<CornerMotion> moved(const ego::PreparedPair& now, std::span<const ego::FollowedCorner> corners,
                                   const EgoMotion& ego) const;
   EgoMotion in_vehicle(const ego::PoseResult& pose, double dt_s) const;
+  std::optional<DisparityShift> shift_of(std::span<const ego::FollowedCorner> corners, const ego::Pinhole& pinhole,
+                                         const ego::CameraMotion& found) const;
 };
+
+std::optional<DisparityShift> EgoEstimator::Memory::shift_of(std::span<const ego::FollowedCorner> corners,
+                                                             const ego::Pinhole& pinhole,
+                                                             const ego::CameraMotion& found) const {
+  constexpr double kMaxDeviation_px = 0.5;
+  const auto shift = ego::solve_disparity_shift(corners, pinhole, camera.fx_px * camera.baseline_m, found, options);
+  if (!shift || !(shift->deviation_px <= kMaxDeviation_px) || shift->agreeing < options.min_agreeing ||
+      shift->agreeing < options.min_agreeing_share * static_cast<double>(corners.size()))
+    return std::nullopt;
+  return DisparityShift{shift->shift_px, shift->deviation_px};
+}
 
 EgoMotion EgoEstimator::Memory::estimate(const ego::PreparedPair& now, double dt_s) {
   EgoMotion lost;
@@ -194,12 +207,14 @@ EgoMotion EgoEstimator::Memory::estimate(const ego::PreparedPair& now, double dt
   lost.followed = static_cast<int>(kept);
   const auto pose = ego::solve_pose(corners, pinhole, likely, options, frame);
   if (!pose) return lost;
+  lost.disparity_shift = shift_of(corners, pinhole, pose->motion);
   lost.agreeing = pose->agreeing;
   if (pose->agreeing < options.min_agreeing ||
       pose->agreeing < options.min_agreeing_share * static_cast<double>(corners.size()))
     return lost;
   EgoMotion known = in_vehicle(*pose, dt_s);
   known.followed = lost.followed;
+  known.disparity_shift = lost.disparity_shift;
   known.corners = moved(now, corners, known);
   motion = pose->motion;
   motion_dt_s = dt_s;

@@ -49,6 +49,13 @@ struct CornerMotion {
   double vx_mps = 0.0, vy_mps = 0.0;  ///< zero but for noise where it stands still
 };
 
+/// A shift of all disparities, as of cameras that are turned against each other a little or whose principal points are
+/// not where the calibration has them.
+struct DisparityShift {
+  double px = 0.0;            ///< disparities are too small by this; negative: too large
+  double deviation_px = 0.0;  ///< standard deviation
+};
+
 /// How the camera moved from the pair before to this one. Velocities are over ground, averaged over that time, in the
 /// axes of the vehicle frame at this pair.
 struct EgoMotion {
@@ -60,8 +67,11 @@ struct EgoMotion {
   double yaw_rate_rps = 0.0;          ///< positive to the left
   /// Of (vx, vy, yaw rate), from the scatter of the corners about the motion.
   std::array<std::array<double, 3>, 3> covariance{};
-  int followed = 0;                   ///< corners found again in this pair
-  int agreeing = 0;                   ///< of those, on things that stand still by this motion
+  int followed = 0;  ///< corners found again in this pair
+  int agreeing = 0;  ///< of those, on things that stand still by this motion
+  /// By which the corners agree on their motion best; nothing where they do not tell it to half a pixel, as when the
+  /// camera stands. One pair may be wrong by 2 px (most corners on things that move); see `DisparityShiftWatch`.
+  std::optional<DisparityShift> disparity_shift;
   std::vector<CornerMotion> corners;  ///< those whose depth is known before and now; empty when given
 };
 

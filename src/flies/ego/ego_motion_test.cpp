@@ -88,6 +88,56 @@ TEST(SolvePose, SaysNothingOfTwoCorners) {
   EXPECT_FALSE(ego::solve_pose(corners_of({}, 2, 0.0, 0.0, 1), kPinhole, {}, {}, 0));
 }
 
+/// The same corners with the depth that they seem to have when all disparities are too small by a shift.
+std::vector<ego::FollowedCorner> seen_with_shift(std::vector<ego::FollowedCorner> corners, double shift_px) {
+  constexpr double kScale_px_m = 720 * 0.54;
+  for (auto& corner : corners) {
+    const double true_px = kScale_px_m / corner.before_m[2];
+    corner.before_m *= true_px / (true_px - shift_px);
+  }
+  return corners;
+}
+
+TEST(SolveDisparityShift, FindsWhatIsAddedToAllDisparities) {
+  constexpr double kScale_px_m = 720 * 0.54;  // corners at 10 to 78 px
+  for (const double shift_px : {-12.0, -5.0, 0.0, 5.0, 8.0}) {
+    const auto corners = seen_with_shift(corners_of(drive_ahead(), 300, 0.2, 0.2, 1), shift_px);
+    const auto motion = ego::solve_pose(corners, kPinhole, {}, {}, 0);
+    ASSERT_TRUE(motion);
+    const auto found = ego::solve_disparity_shift(corners, kPinhole, kScale_px_m, motion->motion, {});
+    ASSERT_TRUE(found) << shift_px;
+    EXPECT_NEAR(found->shift_px, shift_px, 0.5) << "+-" << found->deviation_px;
+    EXPECT_LT(found->deviation_px, 0.5);
+    EXPECT_GT(found->agreeing, 200);
+  }
+}
+
+TEST(SolveDisparityShift, ItsDeviationHasTheSizeOfItsErrors) {
+  constexpr int kTrials = 100;
+  double sum = 0.0;
+  for (std::uint32_t trial = 0; trial < kTrials; ++trial) {
+    const auto corners = seen_with_shift(corners_of(drive_ahead(), 200, 0.2, 0.0, trial), 4.0);
+    const auto motion = ego::solve_pose(corners, kPinhole, drive_ahead(), {}, trial);
+    ASSERT_TRUE(motion);
+    const auto found = ego::solve_disparity_shift(corners, kPinhole, 720 * 0.54, motion->motion, {});
+    ASSERT_TRUE(found);
+    sum += std::pow((found->shift_px - 4.0) / found->deviation_px, 2);
+  }
+  EXPECT_GT(sum / kTrials, 0.6);
+  EXPECT_LT(sum / kTrials, 1.6);
+}
+
+TEST(SolveDisparityShift, IsNotToldByACameraThatStandsOrTurns) {
+  const double yaw = 0.03;
+  const ego::CameraMotion turn{cv::Matx33d(std::cos(yaw), 0, std::sin(yaw), 0, 1, 0, -std::sin(yaw), 0, std::cos(yaw)),
+                               {}};
+  for (const auto& motion : {ego::CameraMotion{}, turn}) {
+    const auto corners = corners_of(motion, 300, 0.2, 0.0, 1);
+    const auto found = ego::solve_disparity_shift(corners, kPinhole, 720 * 0.54, motion, {});
+    EXPECT_TRUE(!found || !(found->deviation_px < 0.5)) << found->shift_px << " +- " << found->deviation_px;
+  }
+}
+
 TEST(GivenEgoMotion, TurnsThePointsThatStandStill) {
   const double quarter = std::acos(-1.0) / 2;
   const auto ego = given_ego_motion(1.0, 0.0, 0.0, quarter);  // turns to the left on the spot

@@ -42,4 +42,18 @@ struct PoseResult {
 std::optional<PoseResult> solve_pose(std::span<const FollowedCorner> corners, const Pinhole& camera,
                                      const CameraMotion& start, const EgoOptions& options, std::uint32_t frame);
 
+struct ShiftResult {
+  double shift_px = 0.0;      ///< all disparities are too small by this; negative: too large
+  double deviation_px = 0.0;  ///< standard deviation, by the scatter of the corners
+  int agreeing = 0;
+};
+
+/// The shift of all disparities with which the most corners agree on one motion: a shift of the camera moves in the
+/// image what is near, and in proportion to its true disparity, so that the corners say which disparity infinity has.
+/// @param scale_px_m focal length times baseline, by which the corners have their depth
+/// @param start the motion that `solve_pose` has found
+std::optional<ShiftResult> solve_disparity_shift(std::span<const FollowedCorner> corners, const Pinhole& camera,
+                                                 double scale_px_m, const CameraMotion& start,
+                                                 const EgoOptions& options);
+
 }  // namespace flies::ego
