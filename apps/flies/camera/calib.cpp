@@ -221,7 +221,10 @@ void convert(const flies::Calibration& calibration, const CalibArguments& argume
 void run_calib(const CalibArguments& arguments) {
   if (!arguments.output.empty() && arguments.format.empty())
     throw flies::InputError("--output", arguments.output, "needs a format: --write kitti, opencv, ros or yaml");
-  const auto calibration = flies::load_calibration(arguments.file, request_of(arguments));
+  const auto request = request_of(arguments);
+  const auto calibration = flies::load_calibration(arguments.file, request);
+  if (request.width_px > 0)
+    flies::check_camera_fits(calibration.camera, request.width_px, request.height_px, arguments.file);
   if (!arguments.format.empty()) return convert(calibration, arguments);
   print(arguments.json ? json(calibration) : table(calibration, arguments));
 }

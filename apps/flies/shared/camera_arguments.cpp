@@ -32,8 +32,9 @@ void add_baseline_option(CLI::App& command, CameraArguments& arguments) {
 
 void add_calibrated_size_option(CLI::App& command, CameraArguments& arguments) {
   command
-      .add_option("--calib-size", arguments.calibrated_size_px,
-                  "image size that a calibration file without one is for, where the images were resized")
+      .add_option(
+          "--calib-size", arguments.calibrated_size_px,
+          "image size that a calibration file without one, or with several, is for, where the images were resized")
       ->delimiter(',')
       ->expected(2)
       ->check(CLI::Range(1, 100000).description(""))

@@ -160,6 +160,7 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
     camera.width_px = request.calibrated_width_px;
     camera.height_px = request.calibrated_height_px;
   }
+  if (!calibration.rectifier) detail::check_said_size(camera.width_px, camera.height_px, request, source);
   if (request.width_px <= 0 || request.height_px <= 0) return;
   const auto deduced =
       camera.width_px == 0 ? detail::size_of_unsized(camera, request.width_px, request.height_px) : std::nullopt;
@@ -255,6 +256,16 @@ void detail::override_baseline(double baseline_m, const std::string& source, Cal
   const std::string instead = found_m > 0.0 ? fmt::format("{:.4g} as in the file", found_m) : "in the file";
   calibration.notes.push_back(
       {fmt::format("the baseline is {:.4g} m as was said, not {}", baseline_m, instead), CalibrationNoteKind::told});
+}
+
+void detail::check_said_size(int width_px, int height_px, const CalibrationRequest& request,
+                             const std::string& source) {
+  const int said_width_px = request.calibrated_width_px, said_height_px = request.calibrated_height_px;
+  if (said_width_px == 0 || (width_px == said_width_px && height_px == said_height_px)) return;
+  throw InputError(source, "image size",
+                   fmt::format("is {} x {} px in the file, and {} x {} px was said (--calib-size), which is for files "
+                               "that do not say it: leave it out, or correct the file",
+                               width_px, height_px, said_width_px, said_height_px));
 }
 
 std::optional<detail::ImageScale> detail::scale_to_images(int width_px, int height_px,

@@ -62,6 +62,9 @@ void check_asked_baseline(double baseline_m, const std::string& source);
 /// @throws InputError when it is not above 0
 void override_baseline(double baseline_m, const std::string& source, Calibration& calibration);
 
+/// @throws InputError when the user says that the calibration is for images of another size than this one
+void check_said_size(int width_px, int height_px, const CalibrationRequest& request, const std::string& source);
+
 /// How the images were resized from this size: by one scale, or by any that the request says.
 std::optional<ImageScale> scale_to_images(int width_px, int height_px, const CalibrationRequest& request);
 

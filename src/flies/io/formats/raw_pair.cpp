@@ -73,7 +73,7 @@ ImageSize size_of_unsized_pair(const RawStereo& raw, const CalibrationRequest& r
   return {request.width_px, request.height_px};
 }
 
-/// Sees to it that the pair has a size, and not width for height.
+/// Sees to it that the pair has a size, not that of another camera, and not width for height.
 void settle_size(RawStereo& raw, const CalibrationRequest& request, const std::string& source,
                  CalibrationNotes& notes) {
   if (raw.width_px == 0 || raw.height_px == 0) {
@@ -81,9 +81,11 @@ void settle_size(RawStereo& raw, const CalibrationRequest& request, const std::s
     raw.width_px = width_px;
     raw.height_px = height_px;
   }
-  if (!has_exchanged_size(rectified_of(raw.left, raw), request.width_px, request.height_px)) return;
-  std::swap(raw.width_px, raw.height_px);
-  notes.push_back({note_on_exchanged_size(raw.width_px, raw.height_px)});
+  if (has_exchanged_size(rectified_of(raw.left, raw), request.width_px, request.height_px)) {
+    std::swap(raw.width_px, raw.height_px);
+    notes.push_back({note_on_exchanged_size(raw.width_px, raw.height_px)});
+  }
+  check_said_size(raw.width_px, raw.height_px, request, source);
 }
 
 /// What is improbable, and yet read, of the cameras.
@@ -246,25 +248,6 @@ ImageSize size_of_list(const NumberTable& table, const std::string& key) {
   };
   if (is_shape) return {pixels(size[1]), pixels(size[0])};
   return {pixels(size[0]), pixels(size[1])};
-}
-
-std::size_t size_of_images(const std::vector<ImageSize>& sizes, const CalibrationRequest& request,
-                           const std::string& source) {
-  std::optional<std::size_t> like;
-  std::string known;
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    const auto [width_px, height_px] = sizes[i];
-    const bool is_said = request.images_are_resized && width_px == request.calibrated_width_px &&
-                         height_px == request.calibrated_height_px;
-    if (request.width_px == 0 || is_said || (width_px == request.width_px && height_px == request.height_px)) return i;
-    if (!like && one_scale(width_px, height_px, request.width_px, request.height_px)) like = i;
-    known += fmt::format("{}{} x {}", known.empty() ? "" : ", ", width_px, height_px);
-  }
-  if (like) return *like;
-  throw InputError(source, "image size",
-                   fmt::format("{} x {} px is none of the modes of this file: {}; of images that were resized by other "
-                               "scales across and down, say which: --resized --calib-size W,H",
-                               request.width_px, request.height_px, known.empty() ? "none known" : known));
 }
 
 void check_same_size(ImageSize left, ImageSize right, const std::string& source, const std::string& key) {

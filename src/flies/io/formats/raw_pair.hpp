@@ -55,12 +55,6 @@ struct ImageSize {
 /// Of a list: width, height; or the shape of a NumPy array: height, width, 1, 3 or 4.
 ImageSize size_of_list(const NumberTable& table, const std::string& key);
 
-/// Which of the sizes that a file has numbers for images of the request's size are of: theirs, the one that the user
-/// says, or one that they were resized from by one scale; the first when no size is asked for.
-/// @throws InputError naming the sizes when it is none of them
-std::size_t size_of_images(const std::vector<ImageSize>& sizes, const CalibrationRequest& request,
-                           const std::string& source);
-
 /// @throws InputError when the right camera's size, found in `source` at `key`, is not that of the left one
 void check_same_size(ImageSize left, ImageSize right, const std::string& source, const std::string& key);
 

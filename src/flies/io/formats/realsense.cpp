@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/camera_modes.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 #include "flies/io/number_lines.hpp"
 
@@ -120,14 +121,20 @@ Calibration read_realsense(const NumberTable& table, const CalibrationRequest& r
   if (sizes.empty())
     throw InputError(table.source, "Infrared 1, Infrared 2",
                      "no size has intrinsics of both: print them with rs-enumerate-devices -c, of a stereo camera");
-  const ImageSize size = sizes[size_of_images(sizes, request, table.source)];
+  std::vector<CameraMode> modes(sizes.size());
+  std::ranges::transform(sizes, modes.begin(), [&](ImageSize size) {
+    return CameraMode{size.width_px, size.height_px, table.require_number(intrinsic_of(streams.left, size) + ".Fx")};
+  });
+  auto chosen = choose_mode(modes, request, table.source);
+  const ImageSize size = sizes[chosen.index];
   const std::string left = intrinsic_of(streams.left, size), right = intrinsic_of(streams.right, size);
   RawPair pair{{size.width_px, size.height_px, camera_of(table, left), camera_of(table, right)},
                left,
                right,
-               extrinsic_of(streams.left, streams.right)};
+               extrinsic_of(streams.left, streams.right),
+               std::move(chosen.notes)};
   set_pose(pair.stereo, pose_between(table, streams));
-  if (request.width_px == 0 && sizes.size() > 1)
+  if (request.width_px == 0 && request.calibrated_width_px == 0 && sizes.size() > 1)
     pair.notes.push_back({fmt::format("of {} sizes in the file the largest was taken, {} x {} px", sizes.size(),
                                       size.width_px, size.height_px),
                           CalibrationNoteKind::told});

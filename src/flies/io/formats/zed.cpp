@@ -1,8 +1,10 @@
 // SN*.conf of the ZED cameras: https://www.stereolabs.com/docs/opencv/calibration; lengths in millimetres.
 #include <fmt/format.h>
 
+#include <utility>
 #include <vector>
 
+#include "flies/io/formats/camera_modes.hpp"
 #include "flies/io/formats/pose_reading.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
@@ -24,16 +26,18 @@ bool has_mode(const NumberTable& table, const Mode& mode) {
   return table.has(fmt::format("LEFT_CAM_{}.fx", mode.name));
 }
 
-/// That of the images; see `size_of_images`.
-const Mode& mode_of(const NumberTable& table, const CalibrationRequest& request) {
+/// That of the images; see `choose_mode`.
+const Mode& mode_of(const NumberTable& table, const CalibrationRequest& request, CalibrationNotes& notes) {
   std::vector<const Mode*> modes;
-  std::vector<ImageSize> sizes;
+  std::vector<CameraMode> sizes;
   for (const Mode& mode : kModes)
     if (has_mode(table, mode)) {
       modes.push_back(&mode);
-      sizes.push_back({mode.width_px, mode.height_px});
+      sizes.push_back({mode.width_px, mode.height_px, table.require_number(fmt::format("LEFT_CAM_{}.fx", mode.name))});
     }
-  return *modes[size_of_images(sizes, request, table.source)];
+  auto chosen = choose_mode(sizes, request, table.source);
+  notes = std::move(chosen.notes);
+  return *modes[chosen.index];
 }
 
 RawCamera read_camera(const NumberTable& table, const std::string& side, const Mode& mode) {
@@ -56,11 +60,13 @@ RawCamera read_camera(const NumberTable& table, const std::string& side, const M
 const char* baseline_name(const NumberTable& table) { return table.has("STEREO.BaseLine") ? "BaseLine" : "Baseline"; }
 
 Calibration read_zed(const NumberTable& table, const CalibrationRequest& request) {
-  const Mode& mode = mode_of(table, request);
+  CalibrationNotes notes;
+  const Mode& mode = mode_of(table, request, notes);
   RawPair pair{{mode.width_px, mode.height_px, read_camera(table, "LEFT", mode), read_camera(table, "RIGHT", mode)},
                fmt::format("LEFT_CAM_{}", mode.name),
                fmt::format("RIGHT_CAM_{}", mode.name),
-               "STEREO"};
+               "STEREO",
+               std::move(notes)};
   const auto stereo = [&](const std::string& name) { return table.require_number("STEREO." + name); };
   const auto stereo_or_0 = [&](const std::string& name) { return table.has("STEREO." + name) ? stereo(name) : 0.0; };
   const auto turn = [&](const char* axis) { return stereo(fmt::format("{}_{}", axis, mode.name)); };
