@@ -23,7 +23,8 @@ using flies::testing::TemporaryFolder;
 using flies::testing::ToyRig;
 using ::testing::HasSubstr;
 
-std::string zed(const ToyRig& rig, const std::string& mode) {
+/// @param of_mode behind TY and TZ
+std::string zed(const ToyRig& rig, const std::string& mode, const std::string& of_mode = "") {
   cv::Vec3d turn;
   cv::Rodrigues(rig.r, turn);
   const auto camera = [&](const char* side, const cv::Matx33d& m, const std::vector<double>& d) {
@@ -31,8 +32,9 @@ std::string zed(const ToyRig& rig, const std::string& mode) {
                        m(0, 0), m(1, 1), m(0, 2), m(1, 2), d[0], d[1], d[2], d[3], d[4]);
   };
   return camera("LEFT", rig.m1, rig.d1) + camera("RIGHT", rig.m2, rig.d2) +
-         fmt::format("[STEREO]\nBaseline={}\nTY={}\nTZ={}\nCV_{m}={}\nRX_{m}={}\nRZ_{m}={}\n", -1e3 * rig.t[0],
-                     1e3 * rig.t[1], 1e3 * rig.t[2], turn[1], turn[0], turn[2], fmt::arg("m", mode));
+         fmt::format("[STEREO]\nBaseline={}\nTY{of}={}\nTZ{of}={}\nCV_{m}={}\nRX_{m}={}\nRZ_{m}={}\n", -1e3 * rig.t[0],
+                     -1e3 * rig.t[1], -1e3 * rig.t[2], turn[1], turn[0], turn[2], fmt::arg("m", mode),
+                     fmt::arg("of", of_mode));
 }
 
 TEST(Formats, ZedTakesTheModeOfTheImagesAndRectifies) {
@@ -47,6 +49,8 @@ TEST(Formats, ZedTakesTheModeOfTheImagesAndRectifies) {
   EXPECT_EQ(calibration.format, "ZED SN.conf");
   EXPECT_EQ(calibration.camera.width_px, 672);
   expect_rectifies(calibration, rig);
+  const auto other = "TY=7\nTZ=9\n";  // of other modes
+  expect_rectifies(load_calibration(folder.write("SN2.conf", zed(rig, "VGA", "_VGA") + other)), rig);
   CalibrationRequest request;
   request.width_px = 640;
   request.height_px = 480;

@@ -1,4 +1,5 @@
-// SN*.conf of the ZED cameras: https://www.stereolabs.com/docs/opencv/calibration; lengths in millimetres.
+// SN*.conf of the ZED cameras: https://www.stereolabs.com/docs/opencv/calibration and
+// https://github.com/stereolabs/zed-open-capture (examples/include/calibration.hpp); lengths in millimetres.
 #include <fmt/format.h>
 
 #include <utility>
@@ -68,10 +69,16 @@ Calibration read_zed(const NumberTable& table, const CalibrationRequest& request
                "STEREO",
                std::move(notes)};
   const auto stereo = [&](const std::string& name) { return table.require_number("STEREO." + name); };
-  const auto stereo_or_0 = [&](const std::string& name) { return table.has("STEREO." + name) ? stereo(name) : 0.0; };
-  const auto turn = [&](const char* axis) { return stereo(fmt::format("{}_{}", axis, mode.name)); };
-  Pose right_from_left{rotation_about({turn("RX"), turn("CV"), turn("RZ")}),
-                       {-stereo(baseline_name(table)), stereo_or_0("TY"), stereo_or_0("TZ")}};
+  const auto of_mode = [&](const char* name) { return fmt::format("{}_{}", name, mode.name); };
+  // Of each mode in the files of newer cameras.
+  const auto shift = [&](const char* name) {
+    if (table.has("STEREO." + of_mode(name))) return stereo(of_mode(name));
+    return table.has(fmt::format("STEREO.{}", name)) ? stereo(name) : 0.0;
+  };
+  // Stereolabs' zed-open-capture gives Baseline, TY, TZ to OpenCV as they are, which means the same line through both
+  // cameras as all three negative.
+  Pose right_from_left{rotation_about({stereo(of_mode("RX")), stereo(of_mode("CV")), stereo(of_mode("RZ"))}),
+                       {-stereo(baseline_name(table)), -shift("TY"), -shift("TZ")}};
   set_pose(pair.stereo, scaled(right_from_left, kMetresPerMillimetre));
   return calibration_from_raw(std::move(pair), request, table.source);
 }
