@@ -69,8 +69,10 @@ double metres_per_unit(const OpenCvNames& names, const std::vector<double>& t, C
 
 Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const CalibrationRequest& request) {
   const auto size = size_of(table, names);
-  const Lens lens = names.are_fisheyes ? Lens::equidistant : !names.mirrors[0].empty() ? Lens::mei : named_lens(table);
   RawPair pair{{}, names.matrices[0], names.matrices[1], names.pose.empty() ? names.rotation : names.pose};
+  const Lens lens = names.are_fisheyes          ? Lens::equidistant
+                    : !names.mirrors[0].empty() ? Lens::mei
+                                                : named_lens(table, pair.notes);
   // OpenCV's own names stand in for those that are not there.
   const bool is_undistorted = !table.has(names.distortions[0]) && !table.has(names.distortions[1]);
   if (is_undistorted) {

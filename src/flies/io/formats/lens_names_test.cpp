@@ -22,9 +22,14 @@ using flies::testing::rows;
 using flies::testing::TemporaryFolder;
 using flies::testing::ToyRig;
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
-Lens lens_in(const std::string& text) { return named_lens(parse_number_table(text, "calib")); }
+Lens lens_in(const std::string& text) {
+  CalibrationNotes notes;
+  return named_lens(parse_number_table(text, "calib"), notes);
+}
 
 TEST(NamedLens, IsFoundBelowEveryKeyThatPeopleUse) {
   for (const char* text : {"distortion_model: equidistant",
@@ -47,9 +52,15 @@ TEST(NamedLens, IsFoundBelowEveryKeyThatPeopleUse) {
                            "fisheye: true",
                            "fisheye_model: 1",
                            "is_fisheye: 1",
-                           "isFisheye: yes"})
+                           "isFisheye: yes",
+                           "use_fisheye_model: 1",
+                           "model_type: KANNALA_BRANDT",
+                           "projection_model: kb4",
+                           "lens_model: KB8"})
     EXPECT_EQ(lens_in(text), Lens::equidistant) << text;
   EXPECT_EQ(lens_in("left: {camera_model: ds}"), Lens::double_sphere);
+  EXPECT_EQ(lens_in("projection_model: omni"), Lens::mei);
+  EXPECT_EQ(lens_in("camera_model: omnidirectional"), Lens::mei);
 }
 
 TEST(NamedLens, IsRadialAndTangentialWhereNothingElseIsSaid) {
@@ -72,6 +83,43 @@ TEST(NamedLens, RefusesTwoModelsUnknownOnesAndFisheyesInOtherPlaces) {
   EXPECT_THAT(error_of([] { lens_in("comment: fisheye-lenses"); }),
               AllOf(HasSubstr("comment: found 'fisheye-lenses'"), HasSubstr("distortion_model: equidistant")));
   EXPECT_THAT(error_of([] { lens_in("fisheye_balance: 0\nnote: fisheye"); }), HasSubstr("note: found 'fisheye'"));
+}
+
+TEST(NamedLens, RefusesModelsThatAreNotReadUnderAnyKey) {
+  for (const char* text : {"lens_model: scaramuzza", "lens_model: division", "camera_model: cylinder", "model: OCAM",
+                           "model: ftheta\nD: [1]", "lens_type: equisolid", "lens: stereographic",
+                           "projection: equirectangular", "model_type: SCARAMUZZA", "projection_model: bent",
+                           "model_type: bent", "distortion_model: none\nD: [0.1, 0, 0, 0]"})
+    EXPECT_THAT(error_of([&] { lens_in(text); }), HasSubstr("expected")) << text;
+}
+
+TEST(NamedLens, TellsWhatMayBeAProductOrAModel) {
+  const auto told = [](const std::string& text) {
+    CalibrationNotes notes;
+    named_lens(parse_number_table(text, "calib"), notes);
+    return texts(notes, {CalibrationNoteKind::told});
+  };
+  EXPECT_THAT(told("camera_model: bent"), ElementsAre(HasSubstr("camera_model: 'bent' is no model of a lens")));
+  EXPECT_THAT(told("camera_model: pinhole\ncamera_type: stereo\nmodel: radtan"), IsEmpty());
+}
+
+TEST(NamedLens, OfRealSenseIsReadByNameAndNumberWhereRaysAreBent) {
+  const auto dump = [](const std::string& model, double coefficient) {
+    return fmt::format(R"({{"left": {{"ppx": 1, "model": {}, "coeffs": [{}, 0, 0, 0, 0]}}}})", model, coefficient);
+  };
+  for (const char* model : {"\"distortion.kannala_brandt4\"", "\"<distortion.kannala_brandt4: 5>\"", "5",
+                            "\"RS2_DISTORTION_KANNALA_BRANDT4\"", "\"Kannala Brandt4\""})
+    EXPECT_EQ(lens_in(dump(model, 0.1)), Lens::equidistant) << model;
+  EXPECT_EQ(lens_in(dump("4", 0.1)), Lens::brown);
+  EXPECT_EQ(lens_in(dump("\"Brown Conrady\"", 0.1)), Lens::brown);
+  for (const char* model :
+       {"\"distortion.ftheta\"", "\"F-Theta\"", "\"distortion.inverse_brown_conrady\"", "\"Inverse Brown Conrady\"",
+        "\"RS2_DISTORTION_MODIFIED_BROWN_CONRADY\"", "\"distortion.none\"", "0", "1", "2", "3"}) {
+    EXPECT_THAT(error_of([&] { lens_in(dump(model, 0.1)); }),
+                AllOf(HasSubstr("left.model: found"), HasSubstr("or coefficients of 0")))
+        << model;
+    EXPECT_EQ(lens_in(dump(model, 0.0)), Lens::brown) << model;
+  }
 }
 
 TEST(NamedLens, BelowItsCameraRectifiesAFisheye) {

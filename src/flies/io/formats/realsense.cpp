@@ -89,15 +89,10 @@ RawCamera camera_of(const NumberTable& table, const std::string& title) {
   camera.matrix = camera_matrix(number(".Fx"), number(".Fy"), number(".PPX"), number(".PPY"));
   constexpr std::size_t kCoefficients = 5, kOfFisheye = 4;
   camera.distortion = table.require(title + ".Coeffs", kCoefficients);
-  const std::string model = table.word(title + ".Distortion");
+  const std::string key = title + ".Distortion", model = table.word(key);
   const bool is_bent = std::ranges::any_of(camera.distortion, [](double c) { return c != 0.0; });
-  if (model.starts_with("kannala")) {
-    camera.lens = Lens::equidistant;
-    camera.distortion.resize(kOfFisheye);
-  } else if (is_bent && model != "brown conrady") {
-    throw InputError(table.source, title + ".Distortion",
-                     fmt::format("found '{}', expected Brown Conrady, Kannala Brandt4, or coefficients of 0", model));
-  }
+  camera.lens = lens_of_model(model.empty() ? "none" : model, is_bent, key, table.source).value_or(Lens::brown);
+  if (camera.lens == Lens::equidistant) camera.distortion.resize(kOfFisheye);
   return camera;
 }
 

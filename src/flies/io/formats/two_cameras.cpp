@@ -68,12 +68,14 @@ Calibration read_mrpt(const NumberTable& table, const CalibrationRequest& reques
   const std::string left = sections + "_LEFT.", right = sections + "_RIGHT.", pose = sections + std::string(kMrptPose);
   const ImageSize size = size_of_list(table, left + "resolution");
   check_same_size(size, size_of_list(table, right + "resolution"), table.source, right + "resolution");
-  const Lens lens = named_lens(table);
+  CalibrationNotes notes;
+  const Lens lens = named_lens(table, notes);
   RawPair pair{{size.width_px, size.height_px, camera_at(table, left, "cx", "cy", lens),
                 camera_at(table, right, "cx", "cy", lens)},
                left.substr(0, left.size() - 1),
                right.substr(0, right.size() - 1),
-               pose};
+               pose,
+               std::move(notes)};
   set_pose(pair.stereo, mrpt_pose(table, pose, pair.notes));
   return calibration_from_pair(std::move(pair), request, table.source);
 }
@@ -214,12 +216,14 @@ Calibration read_two_cameras(const NumberTable& whole, const CalibrationRequest&
   const std::string left = names.first + ".", right = names.second + ".";
   const ImageSize size = dumped_size(table, left);
   check_same_size(size, dumped_size(table, right), table.source, right + "width");
-  const Lens lens = named_lens(table);
+  CalibrationNotes notes;
+  const Lens lens = named_lens(table, notes);
   RawPair pair{{size.width_px, size.height_px, camera_at(table, left, cameras.column, cameras.row, lens),
                 camera_at(table, right, cameras.column, cameras.row, lens)},
                names.first,
                names.second,
-               "extrinsics"};
+               "extrinsics",
+               std::move(notes)};
   set_pose(pair.stereo, dumped_pose(table, request));
   if (cameras.names.size() > 2)
     pair.notes.push_back(note_on_others(cameras, pair, !has_baseline(table) && table.has(kTranslation)));
