@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <initializer_list>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -50,30 +51,52 @@ struct KittiCamera {
   }
 };
 constexpr KittiCamera kKittiCameras[] = {
-    {721.5377, 609.5593, 172.854, 1242, 375},  {707.0493, 604.0814, 180.5066, 1224, 370},
-    {707.0912, 601.8873, 183.1104, 1226, 370}, {707.0912, 601.8873, 183.1104, 1224, 370},
-    {718.3351, 600.3891, 181.5122, 1238, 374}, {718.856, 607.1928, 185.2157, 1241, 376},
+    {721.5377, 609.5593, 172.854, 1242, 375},        {707.0493, 604.0814, 180.5066, 1224, 370},
+    {707.0912, 601.8873, 183.1104, 1226, 370},       {707.0912, 601.8873, 183.1104, 1224, 370},
+    {718.3351, 600.3891, 181.5122, 1238, 374},       {718.856, 607.1928, 185.2157, 1241, 376},
+    {552.554261, 682.049453, 238.769549, 1408, 376},  // KITTI-360
 };
+
+/// Whether a camera is one of KITTI's, of whole images or resized ones: what is odd about its numbers is right.
+bool is_of_kitti(const StereoCamera& camera) {
+  return std::ranges::any_of(kKittiCameras, [&](const KittiCamera& kitti) {
+    const auto scale = one_scale(camera.width_px, camera.height_px, kitti.width_px, kitti.height_px);
+    return scale && kitti.is(scaled_camera(camera, {*scale, *scale}, kitti.width_px, kitti.height_px));
+  });
+}
+
+/// Beyond this the camera does not look along the road and the method's field of detection makes no sense.
+constexpr double kMaxTilt_deg = 45.0;
+constexpr double kLeastHeight_m = 1e-3, kMostHeight_m = 1e4;
 
 struct Unit {
   const char* name;
   double metres;
 };
 
+/// A clause of a question: "is it in millimetres (0.54 m) or feet (1.2 m)"; empty where no guess is likely.
+std::string likely(const char* start, const char* last, double baseline, std::initializer_list<Unit> units) {
+  std::string clause;
+  for (const auto& [name, metres] : units)
+    if (const double baseline_m = baseline * metres;
+        baseline_m >= kLikelyBaseline_m && baseline_m <= kLikelyMostBaseline_m)
+      clause += fmt::format("{}{} ({:.3g} m)", clause.empty() ? start : " or ", name, baseline_m);
+  return clause.empty() ? clause : clause + last;
+}
+
 std::string likely_units(double baseline, double focal_px) {
-  std::string guesses;
-  const auto guess = [&](const std::string& name, double baseline_m) {
-    if (baseline_m >= kLikelyBaseline_m && baseline_m <= kLikelyMostBaseline_m)
-      guesses += fmt::format("{}{} ({:.3g} m)", guesses.empty() ? "is it in " : " or ", name, baseline_m);
-  };
-  for (const auto& [name, metres] :
-       {Unit{"millimetres", 1e-3}, Unit{"centimetres", 1e-2}, Unit{"inches", 0.0254}, Unit{"feet", 0.3048},
-        Unit{"decimetres", 0.1}, Unit{"metres where the file has centimetres", 1e2},
-        Unit{"kilometres, or metres where the file has millimetres", 1e3}})
-    guess(name, baseline * metres);
-  guess("metres where the projection matrix wants focal length times metres", baseline * focal_px);
-  return (guesses.empty() ? "is the unit that of the board's squares?" : guesses + ", or in squares of the board?") +
-         " --baseline M says what it is";
+  const std::string other = likely("is it in ", " or squares of the board?", baseline,
+                                   {{"millimetres", 1e-3},
+                                    {"centimetres", 1e-2},
+                                    {"inches", 0.0254},
+                                    {"feet", 0.3048},
+                                    {"decimetres", 0.1},
+                                    {"pixels, the focal length times metres", 1.0 / focal_px}});
+  const std::string metres =
+      likely("was it written in metres where the file wants ", "?", baseline,
+             {{"centimetres", 1e2}, {"millimetres", 1e3}, {"focal length times metres", focal_px}});
+  const std::string guess = other + (other.empty() || metres.empty() ? "" : " ") + metres;
+  return (guess.empty() ? "is the unit that of the board's squares?" : guess) + " --baseline M says what it is";
 }
 
 void check_baseline(const StereoCamera& camera, const std::string& source, std::vector<std::string>& notes) {
@@ -88,11 +111,23 @@ void check_baseline(const StereoCamera& camera, const std::string& source, std::
                     likely_units(found, camera.fx_px)));
 }
 
+/// @throws InputError for a principal point that is none in pixels
+void check_centre_in_pixels(double cx_px, double cy_px, const std::string& source, const std::string& field) {
+  constexpr double kNormalised = 1.0;  // of coordinates that are divided by the size, or counted from the middle
+  if (std::abs(cx_px) > kNormalised || std::abs(cy_px) > kNormalised) return;
+  throw InputError(
+      source, field,
+      fmt::format("found ({:.4g}, {:.4g}) for cx and cy: are they normalised by the size of the images, or "
+                  "counted from their middle? expected pixels from the corner at the top left",
+                  cx_px, cy_px));
+}
+
 double offset(double centre_px, int size_px) { return std::abs(centre_px / size_px - 0.5); }
 
 void check_principal_points(const StereoCamera& camera, const std::string& source, bool says_size,
                             std::vector<std::string>& notes) {
-  if (camera.width_px <= 0 || camera.height_px <= 0) return;
+  check_centre_in_pixels(camera.cx_px, camera.cy_px, source, "principal point");
+  if (camera.width_px <= 0 || camera.height_px <= 0 || is_of_kitti(camera)) return;
   if (auto note = check_principal_point(camera.cx_px, camera.cy_px, camera.width_px, camera.height_px, source,
                                         "principal point", says_size ? kProbableOffsetOfSized : kProbableOffset))
     notes.push_back(std::move(*note));
@@ -150,6 +185,13 @@ std::optional<std::string> check_principal_point(double cx_px, double cy_px, int
   if (fits_swapped && farthest > kFarOffset)
     throw InputError(source, field, fmt::format("found {}: cx and cy, or width and height, are swapped", found));
   if (farthest <= probable_offset) return std::nullopt;
+  constexpr double kOfCorner = 0.05;
+  if (std::abs(cx_px) <= kOfCorner * width_px && std::abs(cy_px) <= kOfCorner * height_px)
+    return fmt::format(
+        "the principal point {} lies in the corner of the images: is it counted from their middle? expected pixels "
+        "from "
+        "the corner at the top left",
+        found);
   return fmt::format(
       "the principal point {} is far from the middle: were the images cropped or resized after the calibration?",
       found);
@@ -230,6 +272,16 @@ StereoCamera scaled_camera(StereoCamera camera, ImageScale scale, int width_px, 
   return camera;
 }
 
+void check_mount(const CameraMount& mount, const std::string& source) {
+  const auto require_within = [&](double value, double least, double most, const char* field, const char* unit) {
+    if (!(value >= least && value <= most))
+      throw InputError(source, field, fmt::format("found {:.6g}, expected {:g} to {:g}{}", value, least, most, unit));
+  };
+  require_within(mount.height_m, kLeastHeight_m, kMostHeight_m, "height_m (camera height)", "");
+  require_within(degrees(mount.pitch_rad), -kMaxTilt_deg, kMaxTilt_deg, "pitch_deg (camera pitch)", " degrees");
+  require_within(degrees(mount.roll_rad), -kMaxTilt_deg, kMaxTilt_deg, "roll_deg (camera roll)", " degrees");
+}
+
 void check_camera_matrix(const std::array<double, 9>& m, const std::string& source, const std::string& key) {
   constexpr double kZero = 1e-6;  // relative to the focal length
   const double zero = kZero * std::abs(m[0]);
@@ -238,6 +290,7 @@ void check_camera_matrix(const std::array<double, 9>& m, const std::string& sour
   if (!(m[0] > 0.0) || !(m[4] > 0.0))
     throw InputError(source, key,
                      fmt::format("found focal lengths {:.6g} and {:.6g}, expected positive ones", m[0], m[4]));
+  check_centre_in_pixels(m[2], m[5], source, key);
   if (std::abs(m[3]) > zero || std::abs(m[6]) > kZero || std::abs(m[7]) > kZero || std::abs(m[8] - 1.0) > kZero)
     throw InputError(source, key, "is no camera matrix, expected fx 0 cx, 0 fy cy, 0 0 1");
 }

@@ -64,7 +64,11 @@ StereoCamera scaled_camera(StereoCamera camera, ImageScale scale, int width_px, 
 /// A coordinate of a pixel grid that was resized: centres of pixels lie at whole numbers.
 inline double scaled_centre_px(double centre_px, double scale) { return (centre_px + 0.5) * scale - 0.5; }
 
-/// A 3 x 3 camera matrix: fx 0 cx, 0 fy cy, 0 0 1. @throws InputError, naming the transposed one of MATLAB
+/// How the camera stands. @throws InputError unless it is above the road and looks along it
+void check_mount(const CameraMount& mount, const std::string& source);
+
+/// A 3 x 3 camera matrix: fx 0 cx, 0 fy cy, 0 0 1. @throws InputError, naming the transposed one of MATLAB, and one in
+/// other units than pixels
 void check_camera_matrix(const std::array<double, 9>& m, const std::string& source, const std::string& key);
 
 /// @throws InputError unless the rows are orthonormal and right-handed

@@ -11,13 +11,9 @@
 namespace flies {
 namespace {
 
-/// Beyond this the camera does not look along the road and the method's field of detection makes no sense.
-constexpr double kMaxTilt_deg = 45.0;
-
 /// What numbers can bear; `check_plausible` draws narrower bounds round what cameras have.
 constexpr double kLeastFocal_px = 0.01, kMostFocal_px = 1e6;
 constexpr double kLeastBaseline_m = 1e-4, kMostBaseline_m = 1e4;
-constexpr double kLeastHeight_m = 1e-3, kMostHeight_m = 1e4;
 constexpr int kMostSize_px = 1 << 20;
 
 /// Standard deviations of the disparity of an obstacle, and of its range where disparity is exact, as a share of it.
@@ -48,13 +44,7 @@ void check_camera(const StereoCamera& camera, const std::string& source) {
   require_within(camera.cy_px, -kMostSize_px, kMostSize_px, "cy_px (principal point)");
   require_within(camera.baseline_m, kLeastBaseline_m, kMostBaseline_m, "baseline_m",
                  camera.baseline_m < 0.0 ? " (a negative baseline means that left and right are swapped)" : "");
-  require_within(camera.mount.height_m, kLeastHeight_m, kMostHeight_m, "height_m (camera height)");
-  const auto require_tilt = [&](double tilt_rad, const char* field) {
-    require(std::isfinite(tilt_rad) && std::abs(degrees(tilt_rad)) <= kMaxTilt_deg, source, field, degrees(tilt_rad),
-            "-45 to 45 degrees");
-  };
-  require_tilt(camera.mount.pitch_rad, "pitch_deg (camera pitch)");
-  require_tilt(camera.mount.roll_rad, "roll_deg (camera roll)");
+  detail::check_mount(camera.mount, source);
   if (camera.width_px > 0 && camera.height_px > 0) {
     const auto require_near = [&](double value, int size_px, const char* field) {
       require(value >= -size_px && value <= 2.0 * size_px, source, field, value,

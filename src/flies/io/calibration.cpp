@@ -49,7 +49,17 @@ std::string likely_unit(double height) {
   return "check its unit";
 }
 
+/// @throws InputError naming what was said, not the file
+void check_asked_mount(const CalibrationRequest& request) {
+  CameraMount said;
+  said.height_m = request.camera_height_m.value_or(said.height_m);
+  said.pitch_rad = request.camera_pitch_rad.value_or(said.pitch_rad);
+  said.roll_rad = request.camera_roll_rad.value_or(said.roll_rad);
+  detail::check_mount(said, "mount that was said (--camera-height, --camera-pitch, --camera-roll)");
+}
+
 void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
+  check_asked_mount(request);
   auto& mount = calibration.camera.mount;
   mount.height_m = request.camera_height_m.value_or(mount.height_m);
   mount.pitch_rad = request.camera_pitch_rad.value_or(mount.pitch_rad);
@@ -72,28 +82,6 @@ void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
     calibration.notes.push_back({fmt::format("the file has no camera {}, assumed: {} ({})", fmt::join(missing, " and "),
                                              fmt::join(assumed, " and "), fmt::join(flags, ", ")),
                                  CalibrationNoteKind::mount});
-}
-
-/// @throws InputError for a baseline that no option mends
-void check_baseline(const Calibration& calibration, const CalibrationRequest& request, const std::string& source) {
-  const double baseline_m = calibration.camera.baseline_m;
-  const std::string pair = calibration.left_name + " and " + calibration.right_name;
-  if (baseline_m < 0.0) {
-    std::string causes = fmt::format("left and right are swapped ({})", pair);
-    if (calibration.format == detail::kKalibr.name || calibration.format == detail::kBasalt.name) {
-      const auto [left, right] = request.cameras.value_or(std::array{0, 1});
-      causes += fmt::format(" (--cameras {},{} exchanges them)", right, left);
-    }
-    if (calibration.rectifier)
-      causes +=
-          ", or rotation and translation (R, T) are the pose of the right camera instead of what takes points of the "
-          "left one to it";
-    throw InputError(source, "baseline", fmt::format("found {:.4g} m: {}", baseline_m, causes));
-  }
-  if (baseline_m == 0.0 && (calibration.rectifier || !request.baseline_m))
-    throw InputError(source, "baseline",
-                     fmt::format("found 0 m: both cameras stand in one place ({}){}", pair,
-                                 calibration.rectifier ? "" : "; where the file leaves it out, say it: --baseline M"));
 }
 
 /// Images that are as wide as the calibration's and lower were cut off, by rows: no range depends on which. As long as
@@ -230,34 +218,6 @@ void check_size(int width_px, int height_px, const std::string& path, const char
 
 }  // namespace
 
-double detail::missing_baseline(const CalibrationRequest& request, const std::string& source, const std::string& key) {
-  if (request.baseline_m) return 0.0;
-  throw InputError(source, key, "is missing: say how far the cameras stand apart (--baseline M)");
-}
-
-void detail::check_asked_baseline(double baseline_m, const std::string& source) {
-  if (!(baseline_m > 0.0) || !std::isfinite(baseline_m))
-    throw InputError(source, "baseline", fmt::format("{} m was asked for, expected more than 0", baseline_m));
-}
-
-void detail::override_baseline(double baseline_m, const std::string& source, Calibration& calibration) {
-  const double found_m = calibration.camera.baseline_m;
-  if (!(found_m >= 0.0) || (found_m == 0.0 && calibration.rectifier)) return;
-  check_asked_baseline(baseline_m, source);
-  constexpr double kSame = 1e-9;
-  if (std::abs(found_m - baseline_m) <= kSame * baseline_m) return;
-  calibration.camera.baseline_m = baseline_m;
-  if (calibration.rectifier) {
-    RawStereo raw = calibration.rectifier->raw();
-    for (double& t : raw.translation_m) t *= baseline_m / found_m;
-    calibration.rectifier.emplace(raw, source);
-    calibration.camera = calibration.rectifier->camera();
-  }
-  const std::string instead = found_m > 0.0 ? fmt::format("{:.4g} as in the file", found_m) : "in the file";
-  calibration.notes.push_back(
-      {fmt::format("the baseline is {:.4g} m as was said, not {}", baseline_m, instead), CalibrationNoteKind::told});
-}
-
 void detail::check_said_size(int width_px, int height_px, const CalibrationRequest& request,
                              const std::string& source) {
   const int said_width_px = request.calibrated_width_px, said_height_px = request.calibrated_height_px;
@@ -314,8 +274,7 @@ std::vector<std::string> texts(const CalibrationNotes& notes, std::initializer_l
 }
 
 Calibration detail::completed(Calibration calibration, const CalibrationRequest& request, const std::string& source) {
-  check_baseline(calibration, request, source);
-  if (request.baseline_m) override_baseline(*request.baseline_m, source, calibration);
+  settle_baseline(request, source, calibration);
   apply_mount(request, calibration);
   auto& camera = calibration.camera;
   exchange_size(request, calibration);

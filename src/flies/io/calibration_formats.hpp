@@ -62,6 +62,10 @@ void check_asked_baseline(double baseline_m, const std::string& source);
 /// @throws InputError when it is not above 0
 void override_baseline(double baseline_m, const std::string& source, Calibration& calibration);
 
+/// The baseline that the user says, or that of the file.
+/// @throws InputError when it is not above 0, or one in metres where the format has it times the focal length
+void settle_baseline(const CalibrationRequest& request, const std::string& source, Calibration& calibration);
+
 /// @throws InputError when the user says that the calibration is for images of another size than this one
 void check_said_size(int width_px, int height_px, const CalibrationRequest& request, const std::string& source);
 

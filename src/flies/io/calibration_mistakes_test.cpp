@@ -20,6 +20,7 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 CalibrationRequest for_images(int width_px, int height_px) {
   CalibrationRequest request;
@@ -183,6 +184,47 @@ TEST(Mistakes, NegativeBaselinesNameTheirCauses) {
   EXPECT_THAT(fault_of("cam0:\n" + camera + "cam1:\n" + camera +
                        "  T_cn_cnm1: [[1, 0, 0, 0.12], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"),
               HasSubstr("--cameras 1,0"));
+  EXPECT_THAT(fault_of("fx: 400\nfy: 400\ncx: 320\ncy: 240\nbaseline: -0.12\nwidth: 640\nheight: 480\n"),
+              AllOf(HasSubstr("found -0.12 m: expected a distance"), Not(HasSubstr("fx and fx"))));
+}
+
+TEST(Mistakes, MetresForTheFocalLengthTimesMetresAreTheCauseThatIsNamed) {
+  const std::string camera = "Camera.fx: 400\nCamera.fy: 400\nCamera.cx: 320\nCamera.cy: 240\nCamera.bf: ";
+  EXPECT_THAT(fault_of(camera + "0.12\n"),
+              AllOf(HasSubstr("were metres written (0.12 m) where the format has the focal length times metres (48)"),
+                    Not(HasSubstr("centimetres"))));
+  EXPECT_EQ(load(camera + "0.12\n", with_baseline(0.12)).camera.baseline_m, 0.12);
+  EXPECT_NEAR(load(camera + "48\n").camera.baseline_m, 0.12, 1e-12);
+}
+
+TEST(Mistakes, TheTwoBaselinesOfOrbSlamAreHeldAgainstEachOther) {
+  const std::string camera = "Camera.fx: 400\nCamera.fy: 400\nCamera.cx: 320\nCamera.cy: 240\nStereo.b: ";
+  const auto both = load(camera + "0.12\nCamera.bf: 24\n");
+  EXPECT_EQ(both.camera.baseline_m, 0.12);
+  EXPECT_THAT(texts(both.notes),
+              Contains(HasSubstr("Camera.bf says a baseline of 0.06 m, Stereo.b one of 0.12 m, which is taken")));
+  EXPECT_THAT(texts(load(camera + "0.12\nCamera.bf: 48\n").notes), Not(Contains(HasSubstr("Stereo.b"))));
+  EXPECT_THAT(fault_of(camera + "48\n"), HasSubstr("pixels, the focal length times metres (0.12 m)"));
+}
+
+TEST(Mistakes, AMountThatIsSaidIsNotTheFilesFault) {
+  CalibrationRequest request;
+  request.camera_pitch_rad = radians(95.0);
+  EXPECT_THAT(fault_of("Camera.fx: 400\nCamera.fy: 400\nCamera.cx: 320\nCamera.cy: 240\nStereo.b: 0.1\n", request),
+              AllOf(StartsWith("mount that was said"), HasSubstr("found 95")));
+}
+
+TEST(Mistakes, AnotherSizeThanTheFilesIsRefused) {
+  CalibrationRequest request;
+  request.calibrated_width_px = 1280;
+  request.calibrated_height_px = 960;
+  const std::string own = "fx_px: 400\ncx_px: 320\ncy_px: 240\nbaseline_m: 0.12\nwidth_px: 640\nheight_px: 480\n";
+  for (const auto& text : {own, raw(ToyRig(), kSize)})
+    EXPECT_THAT(fault_of(text, request), HasSubstr("is 640 x 480 px in the file, and 1280 x 960 px was said")) << text;
+  request.calibrated_width_px = 640;
+  request.calibrated_height_px = 480;
+  EXPECT_EQ(load(own, request).camera.width_px, 640);
+  EXPECT_EQ(load(raw(ToyRig(), kSize), request).camera.width_px, 640);
 }
 
 TEST(Mistakes, CoefficientsAreNamedAndTwoAreRadial) {

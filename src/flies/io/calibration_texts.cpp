@@ -103,8 +103,9 @@ CalibrationTexts calibration_texts(const Calibration& calibration, CalibrationSy
   if (calibration.rectifier && !holds_raw)
     throw InputError(source, "format",
                      "is of raw images, and KITTI and our own YAML are of rectified ones; allowed: opencv, ros");
-  if (syntax == CalibrationSyntax::ros && calibration.camera.width_px == 0)
-    throw InputError(source, "image size", "is missing, and ROS wants it; give it with --size");
+  const bool holds_size = syntax == CalibrationSyntax::ros || syntax == CalibrationSyntax::yaml;
+  if (holds_size && calibration.camera.width_px == 0)
+    throw InputError(source, "image size", "is missing, and ROS and our own YAML want it; give it with --size");
   switch (syntax) {
     case CalibrationSyntax::kitti:
       return {kitti(calibration.camera), ""};

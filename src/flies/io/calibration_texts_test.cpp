@@ -98,7 +98,8 @@ TEST(CalibrationTexts, RefusesWhatAFormatHasNoPlaceFor) {
   EXPECT_THAT(error_of([&] { calibration_texts(sphere, CalibrationSyntax::opencv); }), HasSubstr("double sphere"));
   Calibration unsized = rectified();
   unsized.camera.width_px = 0;
-  EXPECT_THAT(error_of([&] { calibration_texts(unsized, CalibrationSyntax::ros); }), HasSubstr("image size"));
+  for (const auto syntax : {CalibrationSyntax::ros, CalibrationSyntax::yaml})
+    EXPECT_THAT(error_of([&] { calibration_texts(unsized, syntax); }), HasSubstr("image size: is missing"));
 }
 
 }  // namespace

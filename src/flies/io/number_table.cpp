@@ -218,14 +218,27 @@ void parse_xml(const std::string& text, NumberTable& table) {
   flatten_xml(document.child("opencv_storage"), "", table, 0);
 }
 
+constexpr const char* kPickle =
+    "is a pickle of Python: load it and write its numbers as JSON, json.dumps({'K1': K1.tolist(), ...}), with D1, K2, "
+    "D2, R, T and image_size";
+
 /// What programs write that is no text, by its first bytes, and how to write what is read.
 void check_is_text(const std::string& bytes, const std::string& path) {
+  using std::string_view_literals::operator""sv;  // for bytes of 0
   struct Kind {
     std::string_view first_bytes;
     const char* complaint;
   };
   for (const auto& [first_bytes, complaint] :
-       {Kind{"PK\x03\x04",
+       {Kind{"\x89PNG", "is a PNG image, not a calibration"},
+        Kind{"\xff\xd8\xff", "is a JPEG image, not a calibration"},
+        Kind{"II*\0"sv, "is a TIFF image, not a calibration"}, Kind{"MM\0*"sv, "is a TIFF image, not a calibration"},
+        Kind{"RIFF", "is a WebP image or another RIFF file, not a calibration"},
+        Kind{"P5\n", "is a PGM image, not a calibration"}, Kind{"P6\n", "is a PPM image, not a calibration"},
+        Kind{"%PDF-", "is a PDF, not a calibration"},
+        Kind{"ARROW1", "is an Arrow file, as .feather are: write its numbers as JSON, by pandas.read_feather"},
+        Kind{"\x80\x02", kPickle}, Kind{"\x80\x03", kPickle}, Kind{"\x80\x04", kPickle}, Kind{"\x80\x05", kPickle},
+        Kind{"PK\x03\x04",
              "is a zip archive, as numpy.savez writes it (.npz): python3 -c \"import json, numpy; "
              "print(json.dumps({k: v.tolist() for k, v in numpy.load('FILE').items()}))\" writes it as JSON"},
         Kind{"\x93NUMPY",

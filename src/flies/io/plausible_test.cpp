@@ -42,8 +42,9 @@ TEST(CheckPlausible, NamesTheLikelyUnitOfTheBaseline) {
   EXPECT_THAT(fault_of(baseline(54.0)), HasSubstr("centimetres (0.54 m)"));
   EXPECT_THAT(fault_of(baseline(21.26)), HasSubstr("inches (0.54 m)"));
   EXPECT_THAT(note_of(baseline(5.4)), HasSubstr("decimetres (0.54 m)"));
-  EXPECT_THAT(fault_of(baseline(0.00054)), HasSubstr("kilometres, or metres where the file has millimetres (0.54 m)"));
-  EXPECT_THAT(note_of(baseline(0.0054)), HasSubstr("metres where the file has centimetres (0.54 m)"));
+  EXPECT_THAT(fault_of(baseline(540.0)), HasSubstr("pixels, the focal length times metres (0.748 m)"));
+  EXPECT_THAT(fault_of(baseline(0.00012)), HasSubstr("written in metres where the file wants millimetres (0.12 m)"));
+  EXPECT_THAT(note_of(baseline(0.0054)), HasSubstr("written in metres where the file wants centimetres (0.54 m)?"));
   EXPECT_THAT(fault_of(baseline(14.8)), HasSubstr("inches (0.376 m)"));
   EXPECT_THAT(note_of(baseline(3.5)), HasSubstr("feet (1.07 m)"));
   EXPECT_THAT(fault_of(baseline(0.54 / 721.5)), HasSubstr("focal length times metres (0.54 m)"));
@@ -69,6 +70,47 @@ TEST(CheckPlausible, TellsAPrincipalPointFarFromTheMiddle) {
   swapped.cx_px = swapped.cx_right_px = kCamera.cy_px;
   swapped.cy_px = kCamera.cx_px;
   EXPECT_THAT(fault_of(swapped), HasSubstr("cx and cy, or width and height, are swapped"));
+}
+
+TEST(CheckPlausible, RefusesAPrincipalPointThatIsNormalisedOrCountedFromTheMiddle) {
+  for (const auto& [cx_px, cy_px] : {std::pair{0.0, 0.0}, {0.5, 0.46}, {-0.3, 0.8}})
+    for (const int width_px : {0, 1242}) {
+      StereoCamera camera = kCamera;
+      camera.cx_px = camera.cx_right_px = cx_px;
+      camera.cy_px = cy_px;
+      camera.width_px = width_px;
+      camera.height_px = width_px > 0 ? 375 : 0;
+      EXPECT_THAT(fault_of(camera), HasSubstr("normalised")) << cx_px << " " << width_px;
+    }
+  StereoCamera shifted = kCamera;
+  shifted.cx_px = shifted.cx_right_px = -11.4;
+  shifted.cy_px = -14.6;
+  EXPECT_THAT(note_of(shifted), HasSubstr("counted from their middle?"));
+  EXPECT_THAT(error_of([] {
+                check_camera_matrix({700, 0, 0.5, 0, 700, 0.5, 0, 0, 1}, "calib", "M1");
+              }),
+              HasSubstr("M1: found (0.5, 0.5) for cx and cy: are they normalised"));
+}
+
+TEST(CheckPlausible, KnowsThePrincipalPointOfKitti360) {
+  const StereoCamera whole{552.554261, 552.554261, 682.049453, 682.049453, 238.769549, 0.5942, 1408, 376, {}};
+  EXPECT_THAT(check_plausible(whole, "calib"), ::testing::IsEmpty());
+  EXPECT_THAT(check_plausible(scaled_camera(whole, {0.5, 0.5}, 704, 188), "calib"), ::testing::IsEmpty());
+  StereoCamera other = whole;
+  other.fx_px = other.fy_px = 560.0;
+  EXPECT_THAT(note_of(other), HasSubstr("far from the middle"));
+}
+
+TEST(CheckMount, NamesWhatIsNotAllowed) {
+  EXPECT_THAT(error_of([] {
+                check_mount({1.65, radians(95.0), 0.0}, "calib");
+              }),
+              HasSubstr("pitch_deg (camera pitch): found 95, expected -45 to 45 degrees"));
+  EXPECT_THAT(error_of([] {
+                check_mount({-1.0, 0.0, 0.0}, "calib");
+              }),
+              HasSubstr("height_m (camera height): found -1"));
+  check_mount({1.65, radians(45.0), radians(-45.0)}, "calib");
 }
 
 TEST(LoadCalibration, HoldsPrincipalPointsOfRawCamerasAgainstTheSize) {

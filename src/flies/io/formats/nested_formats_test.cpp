@@ -189,7 +189,10 @@ TEST(NestedFormats, FilesThatAreNoTextSayWhatTheyAre) {
   const TemporaryFolder folder;
   for (const auto& [bytes, what] :
        {std::pair{std::string("PK\x03\x04\x14\0", 6), ".npz"}, std::pair{std::string("\x93NUMPY\x01\0v\0", 10), ".npy"},
-        std::pair{std::string("MATLAB 5.0 MAT-file, \0", 22), "jsonencode"}})
+        std::pair{std::string("MATLAB 5.0 MAT-file, \0", 22), "jsonencode"},
+        std::pair{std::string("\x89PNG\r\n\x1a\n\0", 9), "is a PNG image"},
+        std::pair{std::string("II*\0", 4), "is a TIFF image"},
+        std::pair{std::string("\x80\x04\x95\0", 4), "pickle of Python"}})
     EXPECT_THAT(error_of([&, &bytes = bytes] { load_calibration(folder.write("c", bytes)); }), HasSubstr(what));
 }
 

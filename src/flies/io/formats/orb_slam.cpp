@@ -25,6 +25,24 @@ RawCamera read_camera(const NumberTable& table, const std::string& prefix, Lens 
   return raw;
 }
 
+/// Metres of `Stereo.b`, or of the older `Camera.bf`, focal length times metres. A file that has both is a copy of one
+/// of them.
+double baseline_of(const NumberTable& table, double fx_px, const CalibrationRequest& request, CalibrationNotes& notes) {
+  const bool has_b = table.has("Stereo.b"), has_bf = table.has("Camera.bf");
+  if (!has_b && !has_bf) return missing_baseline(request, table.source, "Camera.bf");
+  if (!has_bf) return table.require_number("Stereo.b");
+  const double by_bf_m = table.require_number("Camera.bf") / fx_px;
+  if (!has_b) return by_bf_m;
+  constexpr double kRounding = 0.02;
+  const double b_m = table.require_number("Stereo.b");
+  if (std::abs(by_bf_m - b_m) > kRounding * std::abs(b_m))
+    notes.push_back(
+        {fmt::format("Camera.bf says a baseline of {:.4g} m, Stereo.b one of {:.4g} m, which is taken: is "
+                     "one of them of another camera, or of images of another size?",
+                     by_bf_m, b_m)});
+  return b_m;
+}
+
 /// Images that are rectified already: one camera and a baseline.
 Calibration read_rectified(const NumberTable& table, const std::string& prefix, const CalibrationRequest& request) {
   const RawCamera raw = read_camera(table, prefix, Lens::brown);
@@ -34,14 +52,8 @@ Calibration read_rectified(const NumberTable& table, const std::string& prefix, 
   camera.fy_px = raw.matrix[4];
   camera.cx_px = camera.cx_right_px = raw.matrix[2];
   camera.cy_px = raw.matrix[5];
-  if (table.has("Stereo.b")) {
-    camera.baseline_m = table.require_number("Stereo.b");
-  } else {
-    const double fx_baseline = table.has("Camera.bf") ? table.require_number("Camera.bf")
-                                                      : missing_baseline(request, table.source, "Camera.bf");
-    if (camera.fx_px == 0.0) throw InputError(table.source, prefix + "fx", "found 0, expected a focal length");
-    camera.baseline_m = fx_baseline / camera.fx_px;
-  }
+  if (camera.fx_px == 0.0) throw InputError(table.source, prefix + "fx", "found 0, expected a focal length");
+  camera.baseline_m = baseline_of(table, camera.fx_px, request, calibration.notes);
   const auto size = size_of(table);
   camera.width_px = size.width_px;
   camera.height_px = size.height_px;

@@ -1,5 +1,7 @@
 // Configurations of VINS-Fusion, and the camera files of camodocal that they name:
 // https://github.com/HKUST-Aerial-Robotics/VINS-Fusion, https://github.com/hengli/camodocal
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "flies/core/error.hpp"
@@ -50,8 +52,10 @@ NumberTable camera_table(const NumberTable& table, const std::string& camera) {
   if (named == table.entries.end() && is_of_camera(table)) return table;
   if (named == table.entries.end() || named->second.not_a_number.empty())
     throw InputError(table.source, camera + "_calib", "is missing, and names the file of that camera");
-  const std::filesystem::path file = named->second.not_a_number;
-  return read_number_table((std::filesystem::path(table.source).parent_path() / file).string());
+  const auto file = std::filesystem::path(table.source).parent_path() / named->second.not_a_number;
+  if (!std::filesystem::exists(file))
+    throw InputError(table.source, camera + "_calib", fmt::format("names {}, which is not there", file.string()));
+  return read_number_table(file.string());
 }
 
 ImageSize size_of(const NumberTable& table, const NumberTable& configuration) {
