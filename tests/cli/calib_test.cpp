@@ -60,6 +60,19 @@ TEST_F(Calib, TakesTheSizeThatAFileIsForWhereItHasNone) {
   const auto camera = nlohmann::json::parse(result.out);
   EXPECT_EQ(camera.at("width_px"), 500);
   EXPECT_EQ(camera.at("fx_px"), 250.0);
+  const RunResult other = calib({"p.txt", "--calib-size", "1000,500", "--size", "500,300"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err, HasSubstr("is for 1000 x 500 px, the images have 500 x 300 px"));
+}
+
+TEST_F(Calib, WritesItsOwnYamlWithASizeAlone) {
+  write_text(folder.path() / "p.txt", "P0: 500 0 500 0 0 500 250 0 0 0 1 0\nP1: 500 0 500 -250 0 500 250 0 0 0 1 0\n");
+  const RunResult unsized = calib({"p.txt", "--write", "yaml", "--output", "v.yaml"});
+  EXPECT_EQ(unsized.status, 2);
+  EXPECT_THAT(unsized.err, HasSubstr("p.txt: image size: is missing"));
+  EXPECT_THAT(folder.listing(), ElementsAre("camchain.yaml", "p.txt"));
+  EXPECT_EQ(calib({"p.txt", "--size", "1000,500", "--write", "yaml", "--output", "v.yaml"}).status, 0);
+  EXPECT_EQ(calib({"v.yaml"}).status, 0);
 }
 
 TEST_F(Calib, RefusesConversionsThatCannotBeAndLeavesNothing) {

@@ -91,7 +91,7 @@ std::string likely_units(double baseline, double focal_px) {
                                     {"inches", 0.0254},
                                     {"feet", 0.3048},
                                     {"decimetres", 0.1},
-                                    {"pixels, the focal length times metres", 1.0 / focal_px}});
+                                    {"focal length times metres", 1.0 / focal_px}});
   const std::string metres =
       likely("was it written in metres where the file wants ", "?", baseline,
              {{"centimetres", 1e2}, {"millimetres", 1e3}, {"focal length times metres", focal_px}});

@@ -27,7 +27,7 @@ struct CalibrationRequest {
   bool images_are_raw = false;
   /// The images were resized from the calibration's size, as much across and down as the sizes say: cut off nowhere.
   bool images_are_resized = false;
-  int calibrated_width_px = 0;  ///< size that a file without one is for; 0 and 0: not known
+  int calibrated_width_px = 0;  ///< size that a file without one, or with several, is for; 0 and 0: not known
   int calibrated_height_px = 0;
   std::optional<double> baseline_m;  ///< these four overrule the file, whose lengths may be in another unit
   std::optional<double> camera_height_m;

@@ -204,7 +204,7 @@ TEST(Mistakes, TheTwoBaselinesOfOrbSlamAreHeldAgainstEachOther) {
   EXPECT_THAT(texts(both.notes),
               Contains(HasSubstr("Camera.bf says a baseline of 0.06 m, Stereo.b one of 0.12 m, which is taken")));
   EXPECT_THAT(texts(load(camera + "0.12\nCamera.bf: 48\n").notes), Not(Contains(HasSubstr("Stereo.b"))));
-  EXPECT_THAT(fault_of(camera + "48\n"), HasSubstr("pixels, the focal length times metres (0.12 m)"));
+  EXPECT_THAT(fault_of(camera + "48\n"), HasSubstr("or focal length times metres (0.12 m)"));
 }
 
 TEST(Mistakes, AMountThatIsSaidIsNotTheFilesFault) {

@@ -42,7 +42,7 @@ TEST(CheckPlausible, NamesTheLikelyUnitOfTheBaseline) {
   EXPECT_THAT(fault_of(baseline(54.0)), HasSubstr("centimetres (0.54 m)"));
   EXPECT_THAT(fault_of(baseline(21.26)), HasSubstr("inches (0.54 m)"));
   EXPECT_THAT(note_of(baseline(5.4)), HasSubstr("decimetres (0.54 m)"));
-  EXPECT_THAT(fault_of(baseline(540.0)), HasSubstr("pixels, the focal length times metres (0.748 m)"));
+  EXPECT_THAT(fault_of(baseline(540.0)), HasSubstr("or focal length times metres (0.748 m)"));
   EXPECT_THAT(fault_of(baseline(0.00012)), HasSubstr("written in metres where the file wants millimetres (0.12 m)"));
   EXPECT_THAT(note_of(baseline(0.0054)), HasSubstr("written in metres where the file wants centimetres (0.54 m)?"));
   EXPECT_THAT(fault_of(baseline(14.8)), HasSubstr("inches (0.376 m)"));
