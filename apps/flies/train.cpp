@@ -82,8 +82,13 @@ flies::DetectorOptions proposing(const flies::TrainOptions& options) {
 }
 
 flies::TrainingData find_data(const TrainArguments& arguments, const flies::TrainOptions& options) {
-  flies::TrainingData data{flies::find_pictures_of_people(arguments.positives, arguments.crop_person_share),
-                           flies::find_background(arguments.negatives)};
+  const double share = arguments.crop_person_share;
+  if (constexpr double kLeast = 0.1; !(share >= kLeast && share <= 1.0))
+    throw flies::InputError("command line", "--crop-person-share",
+                            fmt::format("found {}, expected {} to 1", share, kLeast));
+  const auto note = [](const std::string& text) { say_notes({text}); };
+  flies::TrainingData data{flies::find_pictures_of_people(arguments.positives, share, note),
+                           flies::find_background(arguments.negatives, note)};
   for (auto& picture : flies::find_proposals(arguments.stereo_negatives, proposing(options)))
     data.background.push_back(std::move(picture));
   return data;
@@ -233,7 +238,8 @@ void setup_train(CLI::App& app) {
       "--network", [] {}, "train a network of convolutions instead, with flies-train-network, which has other options");
   command
       ->add_option("--positives", arguments->positives,
-                   "folders of people: crops of one person each, or pictures with Pascal VOC, KITTI or YOLO labels")
+                   "folders of people: crops of one person each, or pictures with Pascal VOC, KITTI, YOLO or COCO "
+                   "labels")
       ->required()
       ->type_name("DIR");
   command
@@ -249,7 +255,6 @@ void setup_train(CLI::App& app) {
   command
       ->add_option("--crop-person-share", arguments->crop_person_share,
                    "of a crop's height that the person in its middle fills; default 0.75")
-      ->check(CLI::Range(0.1, 1.0))
       ->type_name("X");
   command->add_option("--name", arguments->name, "of the model; default: the file's")->type_name("TEXT");
   command->add_option("--about", arguments->about, "written into the model: licence, source of the data")

@@ -9,7 +9,9 @@
 #include "flies/eval/scene_truth.hpp"
 #include "flies/io/writers.hpp"
 #include "flies/synth/truth.hpp"
+#include "flies/train/coco_labels.hpp"
 #include "flies/train/picture_labels.hpp"
+#include "flies/train/yolo_labels.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace {
@@ -21,7 +23,7 @@ const flies::StereoCamera kCamera{700, 700, 600, 600, 170, 0.5, 1242, 375, {}};
 // Everything that evaluation and training read as text: each input goes to all of them.
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
-  const std::array<std::function<void()>, 10> readers = {
+  const std::array<std::function<void()>, 12> readers = {
       [&] { flies::parse_labels(text, "input"); },
       [&] { flies::parse_tracklets(text, "input"); },
       [&] { flies::parse_scene_truth(text, "input"); },
@@ -29,7 +31,13 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       [&] { flies::parse_voc_labels(text, "input"); },
       [&] { flies::parse_kitti_boxes(text, "input"); },
       [&] { flies::parse_foot_points(text, "input", kCamera); },
-      [&] { flies::parse_yolo_labels(text, "input", 0, kCamera.width_px, kCamera.height_px); },
+      [&] { flies::parse_pascal_text(text, "input"); },
+      [&] { flies::parse_coco_labels(text, "input"); },
+      [&] {
+        flies::YoloLines lines;
+        lines.add(text);
+        flies::parse_yolo_labels(text, "input", {}, lines, kCamera.width_px, kCamera.height_px);
+      },
       [&] { flies::parse_yolo_names(text, "input"); },
       [&] { flies::parse_yolo_yaml(text, "input"); }};
   for (const auto& read : readers) {

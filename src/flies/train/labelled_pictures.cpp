@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
+#include <initializer_list>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -16,69 +16,103 @@
 #include "flies/io/image_folder.hpp"
 #include "flies/io/images.hpp"
 #include "flies/io/text_file.hpp"
+#include "flies/train/coco_labels.hpp"
 #include "flies/train/picture_labels.hpp"
+#include "flies/train/yolo_labels.hpp"
 
 namespace flies {
 namespace {
 
 namespace fs = std::filesystem;
 
-bool has_extension(const fs::path& path, std::string_view extension) {
-  const std::string own = path.extension().string();
-  return std::ranges::equal(own, extension,
-                            [](unsigned char a, char b) { return static_cast<char>(std::tolower(a)) == b; });
+std::string in_small_letters(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
 }
-bool is_xml(const fs::path& path) { return has_extension(path, ".xml"); }
-bool is_text(const fs::path& path) { return has_extension(path, ".txt"); }
+
+/// Whether a file or folder has one of these names, in capitals or not.
+bool is_named(const fs::path& path, std::initializer_list<std::string_view> names) {
+  const std::string own = in_small_letters(path.filename().string());
+  return std::ranges::find(names, own) != names.end();
+}
+
+bool has_extension(const fs::path& path, std::initializer_list<std::string_view> extensions) {
+  const std::string own = in_small_letters(path.extension().string());
+  return std::ranges::find(extensions, own) != extensions.end();
+}
+bool is_xml(const fs::path& path) { return has_extension(path, {".xml"}); }
+bool is_text(const fs::path& path) { return has_extension(path, {".txt"}); }
+bool is_json(const fs::path& path) { return has_extension(path, {".json"}); }
+
+bool is_for_labels(const fs::path& folder) {
+  return is_named(folder, {"labels", "annotations", "annotation", "label_2"});
+}
+bool is_for_pictures(const fs::path& folder) {
+  return is_named(folder, {"images", "jpegimages", "pngimages", "image_2"});
+}
 
 /// Where a picture, or the labels of one, belong: the folders below `root` but for those that keep pictures and labels
 /// apart, and the name without extension.
 fs::path place_of(const fs::path& file, const fs::path& root) {
-  constexpr std::array<std::string_view, 6> kApart = {"Annotations", "JPEGImages", "labels",
-                                                      "images",      "label_2",    "image_2"};
   fs::path place;
   for (const auto& part : file.lexically_relative(root).parent_path())
-    if (std::ranges::find(kApart, part.string()) == kApart.end() && part != ".") place /= part;
+    if (!is_for_labels(part) && !is_for_pictures(part) && part != ".") place /= part;
   return place / file.stem();
 }
 
 /// The pictures of a folder, to be found from their labels.
 class Pictures {
  public:
-  explicit Pictures(const fs::path& root) : root_(root) {
-    for (const auto& file : detail::files_below(root, detail::is_image_name)) {
+  explicit Pictures(const fs::path& root) : root_(root), files_(detail::files_below(root, detail::is_image_name)) {
+    for (const auto& file : files_) {
       by_place_[place_of(file, root)].push_back(file);
       by_stem_[file.stem().string()].push_back(file);
     }
   }
 
+  const std::vector<fs::path>& files() const { return files_; }
   bool has(const fs::path& place) const { return by_place_.contains(place); }
 
   /// @param label_root the folder that places of labels count from
   /// @param name that the labels give; empty: that of the label file
   fs::path of(const fs::path& label_file, const fs::path& label_root, const std::string& name) const {
-    const fs::path place = place_of(label_file, label_root);
-    const std::string stem = name.empty() ? label_file.stem().string() : fs::path(name).stem().string();
-    auto found = by_place_.find(place.parent_path() / stem);
-    const std::vector<fs::path>* pictures = found == by_place_.end() ? nullptr : &found->second;
-    if (pictures == nullptr) {
-      const auto anywhere = by_stem_.find(stem);
-      if (anywhere == by_stem_.end())
-        throw InputError(label_file.string(), "",
-                         fmt::format("found no picture '{}' in {}, expected one", stem, root_.string()));
-      pictures = &anywhere->second;
+    const fs::path own = place_of(label_file, label_root);
+    const std::string stem = name.empty() ? own.filename().string() : fs::path(name).stem().string();
+    const auto found = by_place_.find(own.parent_path() / stem);
+    if (const auto beside = by_place_.find(own); beside != by_place_.end() && stem != own.filename()) {
+      if (by_stem_.contains(stem))
+        throw InputError(label_file.string(), "filename",
+                         fmt::format("found '{}', but {} has the name of the label file, and both are there: which of "
+                                     "them is labelled?",
+                                     name, beside->second.front().string()));
+      return beside->second.front();  // renamed together with its labels
     }
-    if (pictures->size() == 1) return pictures->front();
-    for (const auto& picture : *pictures)
-      if (picture.filename() == fs::path(name).filename() && found != by_place_.end()) return picture;
-    throw InputError(label_file.string(), "",
-                     fmt::format("is for '{}', but {} and {} have that name: labels of pictures in several folders "
-                                 "belong into folders of the same names",
-                                 stem, (*pictures)[0].string(), (*pictures)[1].string()));
+    if (found != by_place_.end()) return one_of(found->second, label_file, name, stem);
+    const auto named = by_place_.find(place_of(root_ / fs::path(name).relative_path(), root_));
+    if (!name.empty() && named != by_place_.end()) return one_of(named->second, label_file, name, stem);
+    const auto anywhere = by_stem_.find(stem);
+    if (anywhere == by_stem_.end())
+      throw InputError(label_file.string(), "",
+                       fmt::format("found no picture '{}' in {}, expected one", stem, root_.string()));
+    return one_of(anywhere->second, label_file, "", stem);
   }
 
  private:
+  /// @param name with the extension that tells pictures in one folder apart; empty where they are in several
+  static fs::path one_of(const std::vector<fs::path>& pictures, const fs::path& label_file, const std::string& name,
+                         const std::string& stem) {
+    if (pictures.size() == 1) return pictures.front();
+    if (!name.empty())
+      for (const auto& picture : pictures)
+        if (picture.filename() == fs::path(name).filename()) return picture;
+    throw InputError(label_file.string(), "",
+                     fmt::format("is for '{}', but {} and {} have that name: labels of pictures in several folders "
+                                 "belong into folders of the same names",
+                                 stem, pictures[0].string(), pictures[1].string()));
+  }
+
   fs::path root_;
+  std::vector<fs::path> files_;
   std::map<fs::path, std::vector<fs::path>> by_place_;
   std::map<std::string, std::vector<fs::path>> by_stem_;
 };
@@ -112,56 +146,101 @@ TrainingPicture labelled(const fs::path& picture, PictureLabels labels) {
   return result;
 }
 
+/// Labels and the file that they are from.
+struct FileLabels {
+  fs::path file;
+  PictureLabels labels;
+};
+
 template <class Parse>
-std::vector<TrainingPicture> read_labels(const std::vector<fs::path>& label_files, const fs::path& label_root,
-                                         const fs::path& picture_root, const Parse& parse) {
+std::vector<FileLabels> parse_all(const std::vector<fs::path>& files, const Parse& parse) {
+  std::vector<FileLabels> all;
+  for (const auto& file : files) all.push_back({file, parse(detail::read_truth(file), file.string())});
+  return all;
+}
+
+void tell_of_unlabelled(const Pictures& pictures, const std::map<fs::path, fs::path>& labelled, const fs::path& root,
+                        const SayNote& note) {
+  std::vector<fs::path> others;
+  for (const auto& picture : pictures.files())
+    if (!labelled.contains(picture)) others.push_back(picture);
+  if (others.empty() || !note) return;
+  note(fmt::format("{}: {} of {} pictures have no labels and are not used, {} the first", root.string(), others.size(),
+                   pictures.files().size(), others.front().string()));
+}
+
+std::vector<TrainingPicture> join(std::vector<FileLabels> all, const fs::path& label_root, const fs::path& picture_root,
+                                  const SayNote& note) {
   const Pictures pictures(picture_root);
   std::vector<TrainingPicture> result;
+  std::map<fs::path, fs::path> labels_of;
   PeopleCheck check;
-  for (const auto& file : label_files) {
-    PictureLabels labels = parse(detail::read_truth(file), file.string());
+  for (auto& [file, labels] : all) {
     const fs::path picture = pictures.of(file, label_root, labels.picture);
+    if (const auto [other, is_first] = labels_of.emplace(picture, file); !is_first)
+      throw InputError(file.string(), "",
+                       other->second == file
+                           ? fmt::format("has labels of {} twice", picture.string())
+                           : fmt::format("is for {}, but so is {}: expected the labels of a picture in one file",
+                                         picture.string(), other->second.string()));
     turn_with_picture(labels, picture);
     check.add(labels, file.string());
     result.push_back(labelled(picture, std::move(labels)));
   }
   check.finish();
+  tell_of_unlabelled(pictures, labels_of, picture_root, note);
   return result;
 }
 
-/// What class a person is by the names that belong to YOLO's labels; 0 where there are none.
-int yolo_person(const fs::path& folder) {
-  const auto is_yaml = [](const fs::path& path) { return has_extension(path, ".yaml") || has_extension(path, ".yml"); };
+/// `label_2` beside `image_2`, in a folder or in `training` there.
+std::optional<fs::path> kitti_folder(const fs::path& folder) {
+  for (const fs::path& root : {folder, folder / "training"})
+    if (detail::is_there_as_folder(root / "label_2")) return root;
+  return std::nullopt;
+}
+
+/// The classes by the names that belong to YOLO's labels.
+YoloClasses yolo_classes(const fs::path& folder) {
+  const auto is_yaml = [](const fs::path& path) { return has_extension(path, {".yaml", ".yml"}); };
   for (const auto& file : detail::files_below(folder, is_yaml))
-    if (const auto person = parse_yolo_yaml(detail::read_truth(file), file.string())) return *person;
-  const auto is_list = [](const fs::path& path) {
-    return path.filename() == "classes.txt" || path.filename() == "obj.names";
-  };
+    if (const auto classes = parse_yolo_yaml(detail::read_truth(file), file.string())) return *classes;
+  const auto is_list = [](const fs::path& path) { return is_named(path, {"classes.txt", "obj.names"}); };
   const auto lists = detail::files_below(folder, is_list);
-  return lists.empty() ? 0 : parse_yolo_names(detail::read_truth(lists.front()), lists.front().string());
+  return lists.empty() ? YoloClasses{} : parse_yolo_names(detail::read_truth(lists.front()), lists.front().string());
+}
+
+/// Text files that lie in a folder for labels, or belong to a picture by their place.
+std::vector<fs::path> label_texts(const fs::path& folder, const Pictures& pictures) {
+  return detail::files_below(folder, [&](const fs::path& file) {
+    if (!is_text(file) || is_named(file, {"classes.txt"})) return false;
+    const fs::path parents = file.lexically_relative(folder).parent_path();
+    return pictures.has(place_of(file, folder)) || std::any_of(parents.begin(), parents.end(), is_for_labels);
+  });
 }
 
 /// Text files of YOLO: in `labels` beside `images`, or next to their pictures. Pictures without one show nobody.
-std::optional<std::vector<TrainingPicture>> read_yolo(const fs::path& folder) {
-  const Pictures pictures(folder);
+std::vector<TrainingPicture> read_yolo(const fs::path& folder, const std::vector<fs::path>& texts,
+                                       const Pictures& pictures) {
+  const YoloClasses classes = yolo_classes(folder);
   std::map<fs::path, fs::path> label_files;
-  for (const auto& file : detail::files_below(folder, is_text)) {
-    const fs::path place = place_of(file, folder);
-    const bool is_named_labels = std::ranges::find(file, fs::path("labels")) != file.end();
-    if (pictures.has(place) || (is_named_labels && file.filename() != "classes.txt")) label_files[place] = file;
+  YoloLines lines;
+  for (const auto& file : texts) {
+    const fs::path picture = pictures.of(file, folder, "");
+    if (const auto [other, is_first] = label_files.emplace(picture, file); !is_first)
+      throw InputError(file.string(), "",
+                       fmt::format("is for {}, but so is {}: expected the labels of a picture in one file",
+                                   picture.string(), other->second.string()));
+    lines.add(detail::read_truth(file));
   }
-  if (label_files.empty()) return std::nullopt;
-  const int person = yolo_person(folder);
-  for (const auto& [place, file] : label_files) pictures.of(file, folder, "");
   std::vector<TrainingPicture> result;
   PeopleCheck check;
-  for (const auto& picture : detail::files_below(folder, detail::is_image_name)) {
-    const auto file = label_files.find(place_of(picture, folder));
+  for (const auto& picture : pictures.files()) {
+    const auto file = label_files.find(picture);
     PictureLabels labels;
     if (file != label_files.end()) {
       const GrayImage image = load_gray_image(picture.string());
-      labels = parse_yolo_labels(detail::read_truth(file->second), file->second.string(), person, image.width_px,
-                                 image.height_px);
+      labels = parse_yolo_labels(detail::read_truth(file->second), file->second.string(), classes, lines,
+                                 image.width_px, image.height_px);
       check.add(labels, file->second.string());
     }
     result.push_back(labelled(picture, std::move(labels)));
@@ -170,15 +249,57 @@ std::optional<std::vector<TrainingPicture>> read_yolo(const fs::path& folder) {
   return result;
 }
 
+std::vector<FileLabels> parse_coco_files(const std::vector<fs::path>& files) {
+  std::vector<FileLabels> all;
+  for (const auto& file : files)
+    for (auto& labels : parse_coco_labels(detail::read_truth(file), file.string()))
+      all.push_back({file, std::move(labels)});
+  return all;
+}
+
+constexpr const char* kRead = "Pascal VOC, KITTI, YOLO, COCO and the text of the INRIA people are read";
+
+/// That nothing was read is no proof that nobody is labelled.
+void check_for_other_labels(const fs::path& folder) {
+  const auto is_other = [](const fs::path& file) {
+    return has_extension(file, {".csv", ".tsv", ".odgt", ".jsonl", ".ndjson", ".vbb", ".mat"});
+  };
+  if (const auto others = detail::files_below(folder, is_other); !others.empty())
+    throw InputError(
+        others.front().string(), "",
+        fmt::format("may hold labels of a kind that is not read ({}); where it does not, move it away", kRead));
+  std::vector<fs::path> folders = {folder};
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    if (i > 0 && is_for_labels(folders[i]))
+      throw InputError(
+          folders[i].string(), "",
+          fmt::format("holds no labels that are read ({}); where the pictures have none, move it away", kRead));
+    for (const auto& below : detail::folders_of(folders[i]))
+      if (!fs::is_symlink(below)) folders.push_back(below);
+  }
+}
+
 }  // namespace
 
-std::optional<std::vector<TrainingPicture>> labelled_pictures(const fs::path& folder) {
-  if (detail::is_there_as_folder(folder / "label_2"))
-    return read_labels(detail::files_below(folder / "label_2", is_text), folder / "label_2", folder / "image_2",
-                       parse_kitti_boxes);
-  const auto labels = detail::files_below(folder, is_xml);
-  if (!labels.empty()) return read_labels(labels, folder, folder, parse_voc_labels);
-  return read_yolo(folder);
+std::optional<std::vector<TrainingPicture>> labelled_pictures(const fs::path& folder, const SayNote& note) {
+  if (const auto kitti = kitti_folder(folder)) {
+    const fs::path label_root = *kitti / "label_2";
+    const auto files = detail::files_below(label_root, is_text);
+    if (files.empty()) throw InputError(label_root.string(), "", "holds no text files, expected one a picture");
+    return join(parse_all(files, parse_kitti_boxes), label_root, *kitti / "image_2", note);
+  }
+  if (const auto files = detail::files_below(folder, is_xml); !files.empty())
+    return join(parse_all(files, parse_voc_labels), folder, folder, note);
+  const Pictures pictures(folder);
+  if (const auto files = label_texts(folder, pictures); !files.empty()) {
+    if (is_pascal_text(detail::read_truth(files.front())))
+      return join(parse_all(files, parse_pascal_text), folder, folder, note);
+    return read_yolo(folder, files, pictures);
+  }
+  if (const auto files = detail::files_below(folder, is_json); !files.empty())
+    return join(parse_coco_files(files), folder, folder, note);
+  check_for_other_labels(folder);
+  return std::nullopt;
 }
 
 }  // namespace flies

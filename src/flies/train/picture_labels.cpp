@@ -3,34 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <pugixml.hpp>
 #include <sstream>
 
 #include "flies/core/error.hpp"
 #include "flies/eval/text.hpp"
 #include "flies/io/text_file.hpp"
-#include "flies/io/yaml_text.hpp"
+#include "flies/train/label_kind.hpp"
 
 namespace flies {
 namespace {
 
-constexpr std::array<std::string_view, 3> kPeople = {"person", "pedestrian", "pasperson"};
-constexpr std::array<std::string_view, 3> kKittiUnclear = {"Person_sitting", "Cyclist", "DontCare"};
-constexpr double kMaxTruncation = 0.1;  // a tenth of a person outside the picture is no more than a jitter
 constexpr std::size_t kMinKittiFields = 15;
-
-template <class Names>
-bool is_one_of(std::string_view name, const Names& names) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-bool is_person(std::string_view name) {
-  std::string lower(name);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return is_one_of(lower, kPeople);
-}
 
 std::vector<std::string> words_of(const std::string& line) {
   std::istringstream stream{line};
@@ -39,13 +23,26 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-ImageBox box_between(double left, double top, double right, double bottom, const std::string& source,
-                     const std::string& field) {
-  if (!(right > left && bottom > top))
-    throw InputError(
-        source, field,
-        fmt::format("found the box {} {} {} {}, expected left < right and top < bottom", left, top, right, bottom));
-  return {left, top, right - left, bottom - top};
+/// What stands between the first two quotation marks.
+std::string quoted_in(const std::string& text) {
+  const auto first = text.find('"'), last = text.find('"', first + 1);
+  return first == std::string::npos || last == std::string::npos ? "" : text.substr(first + 1, last - first - 1);
+}
+
+/// "(164, 176) - (433, 784)", "1124 x 826 x 3".
+std::vector<double> numbers_in(std::string text, const std::string& source, const std::string& field) {
+  std::ranges::replace_if(
+      text, [](char c) { return c == '(' || c == ')' || c == ',' || c == 'x'; }, ' ');
+  std::vector<double> numbers;
+  for (const auto& word : words_of(text))
+    if (word != "-") numbers.push_back(detail::parse_number(word, source, field));
+  return numbers;
+}
+
+/// Whether an element of an object says yes, or how much of it: 1, true, 0.3.
+bool is_set(const pugi::xml_node& object, const char* flag) {
+  const pugi::xml_text text = object.child(flag).text();
+  return text.as_bool() || text.as_double() > kMaxTruncation;
 }
 
 double coordinate(const pugi::xml_node& box, const char* name, const std::string& source, const std::string& field) {
@@ -56,14 +53,27 @@ constexpr int kFewest = 10;  // boxes: fewer people may all sit or lie
 
 }  // namespace
 
+namespace detail {
+
+ImageBox box_between(double left, double top, double right, double bottom, const std::string& source,
+                     const std::string& field) {
+  if (!(right > left && bottom > top))
+    throw InputError(
+        source, field,
+        fmt::format("found the box {} {} {} {}, expected left < right and top < bottom", left, top, right, bottom));
+  return {left, top, right - left, bottom - top};
+}
+
+}  // namespace detail
+
 void PeopleCheck::add(const PictureLabels& labels, const std::string& source) {
   const auto is_wide = [](const ImageBox& box) { return box.width_px > box.height_px; };
   const auto wide = static_cast<int>(std::ranges::count_if(labels.people, is_wide));
-  const int odd = wide + static_cast<int>(labels.unclear.size());
+  const int odd = wide + labels.leaving;
   if (wide > 0 && wide_ == 0) first_wide_ = source;
   if (odd > 0 && odd_ == 0) first_odd_ = source;
   people_ += static_cast<int>(labels.people.size());
-  boxes_ += static_cast<int>(labels.people.size() + labels.unclear.size());
+  boxes_ += static_cast<int>(labels.people.size()) + labels.leaving;
   wide_ += wide;
   odd_ += odd;
   upright_as_corners_ += labels.upright_as_corners;
@@ -98,13 +108,14 @@ PictureLabels parse_voc_labels(std::string_view xml, const std::string& source) 
   int number = 0;
   for (const pugi::xml_node object : root.children("object")) {
     const std::string field = fmt::format("object {}", ++number);
-    if (!is_person(detail::trimmed(object.child_value("name")))) continue;
+    const LabelKind kind = label_kind(detail::trimmed(object.child_value("name")));
+    if (kind == LabelKind::other) continue;
     const pugi::xml_node box = object.child("bndbox");
     const auto value = [&](const char* name) { return coordinate(box, name, source, field); };
     const double left = value("xmin"), top = value("ymin"), right = value("xmax"), bottom = value("ymax");
-    const ImageBox person = box_between(left, top, right, bottom, source, field);
-    const auto is_set = [&](const char* flag) { return object.child(flag).text().as_int() != 0; };
-    const bool is_clear = !is_set("difficult") && !is_set("truncated") && !is_set("occluded");
+    const ImageBox person = detail::box_between(left, top, right, bottom, source, field);
+    const bool is_clear = kind == LabelKind::person && !is_set(object, "difficult") && !is_set(object, "truncated") &&
+                          !is_set(object, "occluded");
     (is_clear ? labels.people : labels.unclear).push_back(person);
   }
   return labels;
@@ -120,13 +131,13 @@ std::vector<KittiPersonLabel> parse_kitti_people(std::string_view text, const st
     if (fields.empty()) continue;
     if (fields.size() < kMinKittiFields)
       throw InputError(source, field, fmt::format("found {} fields, expected {}", fields.size(), kMinKittiFields));
-    const bool tells_of_person = is_person(fields[0]);
-    if (!tells_of_person && !is_one_of(fields[0], kKittiUnclear)) continue;
+    const LabelKind kind = label_kind(fields[0]);
+    if (kind == LabelKind::other) continue;
     const auto value = [&](std::size_t i) { return detail::parse_number(fields[i], source, field); };
-    labels.push_back({.is_person = tells_of_person,
+    labels.push_back({.is_person = kind == LabelKind::person,
                       .truncation = value(1),
                       .occlusion = value(2),
-                      .box = box_between(value(4), value(5), value(6), value(7), source, field)});
+                      .box = detail::box_between(value(4), value(5), value(6), value(7), source, field)});
   }
   return labels;
 }
@@ -140,66 +151,30 @@ PictureLabels parse_kitti_boxes(std::string_view text, const std::string& source
   return labels;
 }
 
-PictureLabels parse_yolo_labels(std::string_view text, const std::string& source, int person, int width_px,
-                                int height_px) {
-  constexpr std::size_t kBox = 5, kLeastPolygon = 7;
+bool is_pascal_text(std::string_view text) { return plain_text(std::string(text)).starts_with("# PASCAL Annotation"); }
+
+PictureLabels parse_pascal_text(std::string_view text, const std::string& source) {
   PictureLabels labels;
-  std::istringstream stream{plain_text(std::string(text))};
-  int number = 0;
-  for (std::string line; std::getline(stream, line);) {
-    const std::string field = fmt::format("line {}", ++number);
-    const auto fields = words_of(line.substr(0, line.find('#')));
-    if (fields.empty()) continue;
-    const bool is_polygon = fields.size() >= kLeastPolygon && fields.size() % 2 == 1;
-    if (fields.size() != kBox && !is_polygon)
-      throw InputError(source, field,
-                       fmt::format("found {} fields, expected YOLO's class, middle, width and height", fields.size()));
-    if (detail::parse_whole_number(fields[0], source, field) != person) continue;
-    std::vector<double> across, down;
-    for (std::size_t i = 1; i < fields.size(); ++i) {
-      const double share = detail::parse_number(fields[i], source, field);
-      if (share < 0.0 || share > 1.0)
-        throw InputError(source, field,
-                         fmt::format("found {}, expected shares of the picture's size, from 0 to 1", share));
-      (i % 2 == 1 ? across : down).push_back(share);
+  for (const auto& line : detail::lines_of(text)) {
+    const std::string field = fmt::format("line {}", line.number);
+    const auto colon = line.content.find(" : ");
+    if (colon == std::string::npos) continue;
+    const std::string value = line.content.substr(colon + 3);
+    if (line.content.starts_with("Image filename")) labels.picture = quoted_in(value);
+    if (line.content.starts_with("Image size")) {
+      const auto size = numbers_in(value, source, field);
+      if (size.size() >= 2) labels.width_px = static_cast<int>(size[0]), labels.height_px = static_cast<int>(size[1]);
     }
-    if (!is_polygon) {
-      const double wide_px = (across[1] - across[0]) * width_px, high_px = (down[1] - down[0]) * height_px;
-      if (wide_px > 0.0 && high_px > wide_px) ++labels.upright_as_corners;
-      across = {across[0] - across[1] / 2.0, across[0] + across[1] / 2.0};
-      down = {down[0] - down[1] / 2.0, down[0] + down[1] / 2.0};
-    }
-    const auto [left, right] = std::ranges::minmax(across);
-    const auto [top, bottom] = std::ranges::minmax(down);
-    const double outside =
-        std::max({-left, right - 1.0, 0.0}) / (right - left) + std::max({-top, bottom - 1.0, 0.0}) / (bottom - top);
-    const ImageBox box =
-        box_between(left * width_px, top * height_px, right * width_px, bottom * height_px, source, field);
-    (outside <= kMaxTruncation ? labels.people : labels.unclear).push_back(box);
+    if (!line.content.starts_with("Bounding box for object")) continue;
+    const LabelKind kind = label_kind(quoted_in(line.content));
+    if (kind == LabelKind::other) continue;
+    const auto corners = numbers_in(value, source, field);
+    if (corners.size() != 4)
+      throw InputError(source, field, fmt::format("found {} numbers, expected a box of four", corners.size()));
+    const ImageBox box = detail::box_between(corners[0], corners[1], corners[2], corners[3], source, field);
+    (kind == LabelKind::person ? labels.people : labels.unclear).push_back(box);
   }
   return labels;
-}
-
-int parse_yolo_names(std::string_view text, const std::string& source) {
-  std::istringstream stream{plain_text(std::string(text))};
-  int number = 0;
-  for (std::string line; std::getline(stream, line); ++number)
-    if (is_person(detail::trimmed(line))) return number;
-  throw InputError(source, "", "names no person or pedestrian among the classes");
-}
-
-std::optional<int> parse_yolo_yaml(const std::string& text, const std::string& source) {
-  const YAML::Node root = detail::load_yaml(plain_text(text), source);
-  if (!root.IsMap() || !root["names"]) return std::nullopt;
-  const YAML::Node names = root["names"];
-  int number = 0;
-  for (const auto& entry : names) {
-    const YAML::Node& name = names.IsMap() ? entry.second : entry;
-    if (name.IsScalar() && is_person(name.Scalar()))
-      return names.IsMap() ? detail::parse_whole_number(entry.first.Scalar(), source, "names") : number;
-    ++number;
-  }
-  throw InputError(source, "names", "holds no person or pedestrian");
 }
 
 }  // namespace flies

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,8 +15,20 @@ struct PictureLabels {
   std::vector<ImageBox> people;     ///< wholly visible
   std::vector<ImageBox> unclear;    ///< labelled as difficult, truncated or occluded; riders; crowds
   int width_px = 0, height_px = 0;  ///< of the picture, as the labels say; 0: they do not say
-  int upright_as_corners = 0;       ///< YOLO's boxes that are upright when their four numbers are two corners
+  int leaving = 0;                  ///< YOLO's boxes of people that leave the picture by over `kMaxTruncation`
+  int upright_as_corners = 0;       ///< those that are upright when their four numbers are two corners
 };
+
+/// A tenth of a person outside of the picture is no more than a jitter.
+inline constexpr double kMaxTruncation = 0.1;
+
+namespace detail {
+
+/// @throws InputError naming the field unless left < right and top < bottom
+ImageBox box_between(double left, double top, double right, double bottom, const std::string& source,
+                     const std::string& field);
+
+}  // namespace detail
 
 /// Notices labels whose numbers mean something else than they are read as: over the whole set, for one box may be odd.
 class PeopleCheck {
@@ -35,15 +46,14 @@ class PeopleCheck {
   int boxes_ = 0, odd_ = 0, upright_as_corners_ = 0;  // all; wide or leaving the picture
 };
 
-/// Reads a Pascal VOC annotation. People are the objects named person, pedestrian or PASperson, in capitals or not;
-/// other objects are passed over.
+/// Reads a Pascal VOC annotation. What its objects are, `label_kind` says; people are learnt from when they are neither
+/// difficult nor truncated nor occluded.
 /// @throws InputError naming `source` and the element: malformed XML, a missing or non-numeric coordinate, an empty box
 PictureLabels parse_voc_labels(std::string_view xml, const std::string& source);
 
-/// A line of a KITTI label_2 file that tells of people, or of what may be one.
+/// A line of a KITTI label_2 file that tells of people, or of what may be one, as `label_kind` says.
 struct KittiPersonLabel {
-  bool is_person =
-      false;  ///< "Pedestrian" (or "Person", in capitals or not); else "Person_sitting", "Cyclist", "DontCare"
+  bool is_person = false;  ///< else someone who sits or rides, or a region that is left out
   double truncation = 0.0, occlusion = 0.0;
   ImageBox box;
 };
@@ -52,25 +62,17 @@ struct KittiPersonLabel {
 /// @throws InputError naming the line on a wrong number of fields, a field that is not a number, an empty box
 std::vector<KittiPersonLabel> parse_kitti_people(std::string_view text, const std::string& source);
 
-/// Reads a KITTI label_2 file: its 2-D boxes. "Pedestrian" (or "Person", in capitals or not) is learnt from when it is
-/// neither truncated nor occluded; "Person_sitting", "Cyclist" and "DontCare" are unclear.
+/// Reads a KITTI label_2 file: its 2-D boxes. "Pedestrian" is learnt from when it is neither truncated nor occluded;
+/// "Person_sitting", "Cyclist" and "DontCare" are unclear.
 /// @throws InputError naming the line on a wrong number of fields, a field that is not a number, an empty box
 PictureLabels parse_kitti_boxes(std::string_view text, const std::string& source);
 
-/// Reads YOLO's labels of one picture: lines of a class and the middle, width and height of a box, or the corners of a
-/// polygon, in shares of the picture's width and height. Boxes that leave the picture by over a tenth are unclear.
-/// @param person the class of people; others are passed over
-/// @throws InputError naming the line: a wrong number of fields, no number, a share outside of 0 to 1
-PictureLabels parse_yolo_labels(std::string_view text, const std::string& source, int person, int width_px,
-                                int height_px);
+/// Reads the annotation of one picture as the INRIA and Penn-Fudan people have it, text that begins with
+/// "# PASCAL Annotation Version 1.00". People as in Pascal VOC.
+/// @throws InputError naming the line: no box of four numbers, an empty box
+PictureLabels parse_pascal_text(std::string_view text, const std::string& source);
 
-/// The number of the class that people are, in YOLO's list of names, a line each.
-/// @throws InputError when none is a person
-int parse_yolo_names(std::string_view text, const std::string& source);
-
-/// The same of a data set's YAML, whose `names` are a list, or a map from numbers.
-/// @returns nothing when the file has no `names`
-/// @throws InputError when it is no YAML or none of the names is a person
-std::optional<int> parse_yolo_yaml(const std::string& text, const std::string& source);
+/// Whether a text is one for the function above.
+bool is_pascal_text(std::string_view text);
 
 }  // namespace flies

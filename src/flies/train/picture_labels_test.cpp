@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "flies/io/temporary_folder.hpp"
+#include "flies/train/yolo_labels.hpp"
 
 namespace flies {
 namespace {
@@ -28,6 +29,25 @@ TEST(ParseVocLabels, TakesPeopleAndPutsDifficultOnesAside) {
   EXPECT_THAT(labels.unclear, SizeIs(1));
 }
 
+TEST(ParseVocLabels, PutsCyclistsSittingPeopleAndFlagsInWordsAside) {
+  const auto with = [](const std::string& name, const std::string& flags) {
+    return parse_voc_labels("<annotation><object><name>" + name + "</name>" + flags +
+                                "<bndbox><xmin>1</xmin><ymin>2</ymin><xmax>3</xmax><ymax>9</ymax></bndbox></object>"
+                                "</annotation>",
+                            "a.xml");
+  };
+  for (const char* name : {"Cyclist", "Person_sitting", "rider", "people", "DontCare"}) {
+    EXPECT_THAT(with(name, "").people, SizeIs(0)) << name;
+    EXPECT_THAT(with(name, "").unclear, SizeIs(1)) << name;
+  }
+  for (const char* flag : {"<truncated>True</truncated>", "<difficult>true</difficult>", "<occluded>1</occluded>",
+                           "<truncated>0.5</truncated>"})
+    EXPECT_THAT(with("person", flag).unclear, SizeIs(1)) << flag;
+  for (const char* flag : {"<truncated>False</truncated>", "<difficult>Unspecified</difficult>",
+                           "<occluded>0</occluded>", "<truncated>0.05</truncated>"})
+    EXPECT_THAT(with("person", flag).people, SizeIs(1)) << flag;
+}
+
 TEST(ParseVocLabels, NamesTheObjectAndTheCoordinate) {
   const std::string bad =
       "<annotation><object><name>person</name><bndbox><xmin>x</xmin></bndbox></object></annotation>";
@@ -50,10 +70,54 @@ TEST(ParseKittiBoxes, SortsByTypeOcclusionAndTruncation) {
   EXPECT_THAT(labels.unclear, SizeIs(4));
 }
 
+TEST(ParseKittiBoxes, TakesNamesInSmallLetters) {
+  const std::string rest = " 0.00 0 -0.2 10 20 30 90 1.89 0.48 1.20 1.84 1.47 8.41 0.01\n";
+  const PictureLabels labels = parse_kitti_boxes(
+      "pedestrian" + rest + "cyclist" + rest + "person_sitting" + rest + "dontcare" + rest + "car" + rest, "1.txt");
+  EXPECT_THAT(labels.people, SizeIs(1));
+  EXPECT_THAT(labels.unclear, SizeIs(3));
+}
+
 TEST(ParseKittiBoxes, NamesTheLine) {
   EXPECT_THAT(testing::error_of([] { parse_kitti_boxes("\nPedestrian 0 0", "1.txt"); }),
               HasSubstr("1.txt: line 2: found 3"));
   EXPECT_THAT(testing::error_of([] { parse_kitti_boxes("Pedestrian 0 0 0 30 20 10 90 1 1 1 1 1 1 1", "1.txt"); }),
+              HasSubstr("left < right"));
+}
+
+constexpr const char* kPascal = R"(# PASCAL Annotation Version 1.00
+
+Image filename : "Train/pos/a.png"
+Image size (X x Y x C) : 1124 x 826 x 3
+Objects with ground truth : 3 { "PASperson" "PASperson" "PASmotorbike" }
+# Top left pixel co-ordinates : (0, 0)
+Original label for object 1 "PASperson" : "UprightPerson"
+Center point on object 1 "PASperson" (X, Y) : (344, 235)
+Bounding box for object 1 "PASperson" (Xmin, Ymin) - (Xmax, Ymax) : (164, 176) - (433, 784)
+Bounding box for object 2 "PASpersonSitting" (Xmin, Ymin) - (Xmax, Ymax) : (530, 167) - (760, 773)
+Bounding box for object 3 "PASmotorbike" (Xmin, Ymin) - (Xmax, Ymax) : (1, 2) - (3, 4)
+)";
+
+TEST(ParsePascalText, ReadsPeopleAndTheSize) {
+  const PictureLabels labels = parse_pascal_text(kPascal, "a.txt");
+  EXPECT_EQ(labels.picture, "Train/pos/a.png");
+  EXPECT_EQ(labels.width_px, 1124);
+  EXPECT_EQ(labels.height_px, 826);
+  ASSERT_THAT(labels.people, SizeIs(1));
+  EXPECT_EQ(labels.people[0].u_px, 164.0);
+  EXPECT_EQ(labels.people[0].v_px, 176.0);
+  EXPECT_EQ(labels.people[0].width_px, 269.0);
+  EXPECT_EQ(labels.people[0].height_px, 608.0);
+  EXPECT_THAT(labels.unclear, SizeIs(1));
+  EXPECT_TRUE(is_pascal_text(kPascal));
+  EXPECT_FALSE(is_pascal_text("0 0.5 0.5 0.1 0.3"));
+}
+
+TEST(ParsePascalText, NamesTheLine) {
+  const std::string start = "# PASCAL Annotation Version 1.00\nBounding box for object 1 \"PASperson\" : ";
+  EXPECT_THAT(testing::error_of([&] { parse_pascal_text(start + "(1, 2) - (3", "a.txt"); }),
+              HasSubstr("a.txt: line 2: found 3 numbers"));
+  EXPECT_THAT(testing::error_of([&] { parse_pascal_text(start + "(5, 2) - (3, 4)", "a.txt"); }),
               HasSubstr("left < right"));
 }
 
@@ -67,39 +131,13 @@ TEST(ParseVocLabels, TakesNamesInCapitalsAndTheSize) {
   EXPECT_EQ(labels.height_px, 480);
 }
 
-TEST(ParseYoloLabels, ReadsBoxesAndPolygons) {
-  const PictureLabels labels = parse_yolo_labels(
-      "0 0.5 0.5 0.2 0.4 # a box\n\n0 0.1 0.2 0.3 0.2 0.3 0.8 0.1 0.8\n1 0.5 0.5 0.2 0.4\n"
-      "0 0.0 0.5 0.2 0.4\n",
-      "a.txt", 0, 100, 200);
-  ASSERT_THAT(labels.people, SizeIs(2));
-  EXPECT_DOUBLE_EQ(labels.people[0].u_px, 40.0);
-  EXPECT_DOUBLE_EQ(labels.people[0].v_px, 60.0);
-  EXPECT_DOUBLE_EQ(labels.people[0].width_px, 20.0);
-  EXPECT_DOUBLE_EQ(labels.people[0].height_px, 80.0);
-  EXPECT_DOUBLE_EQ(labels.people[1].u_px, 10.0);
-  EXPECT_DOUBLE_EQ(labels.people[1].height_px, 120.0);
-  EXPECT_THAT(labels.unclear, SizeIs(1));  // half of it is outside
-}
-
-TEST(ParseYoloLabels, NamesTheLine) {
-  const auto fault = [](const char* text) {
-    return testing::error_of([&] { parse_yolo_labels(text, "a.txt", 0, 100, 200); });
-  };
-  EXPECT_THAT(fault("0 0.5 0.5 0.2 0.4\n0 0.5 0.5"), HasSubstr("a.txt: line 2: found 3 fields"));
-  EXPECT_THAT(fault("0 64 0.5 0.2 0.4"), HasSubstr("found 64, expected shares"));
-  EXPECT_THAT(fault("0 0.5 0.5 0 0.4"), HasSubstr("left < right"));
-  EXPECT_THAT(fault("person 0.5 0.5 0.1 0.4"), HasSubstr("line 1"));
-  EXPECT_EQ(parse_yolo_names("car\r\nPerson\r\n", "classes.txt"), 1);
-  EXPECT_THAT(testing::error_of([] { parse_yolo_names("car\n", "classes.txt"); }), HasSubstr("names no person"));
-}
-
 /// What a set of so many pictures with these labels of YOLO is refused with.
 std::string complaint_of(const std::vector<std::string>& texts, int pictures) {
   return testing::error_of([&] {
     PeopleCheck check;
     for (int i = 0; i < pictures; ++i)
-      for (const auto& text : texts) check.add(parse_yolo_labels(text, "", 0, 640, 480), "labels/" + text + ".txt");
+      for (const auto& text : texts)
+        check.add(parse_yolo_labels(text, "", {}, {}, 640, 480), "labels/" + text + ".txt");
     check.finish();
   });
 }
@@ -132,15 +170,6 @@ TEST(PeopleCheck, PassesPeopleWhoStandFillThePictureOrLieNowAndThen) {
   EXPECT_EQ(complaint_of({"0 0.5 0.5 0.6 0.95"}, 20), "no error") << "ordered as corners, too";
   EXPECT_EQ(complaint_of({"0 0.5 0.5 0.1 0.4", "0 0.5 0.5 0.4 0.1"}, 20), "no error");
   EXPECT_EQ(complaint_of({"1 0.5 0.5 0.4 0.1"}, 20), "no error") << "no people";
-}
-
-TEST(ParseYoloYaml, KnowsListsAndMaps) {
-  EXPECT_EQ(parse_yolo_yaml("nc: 2\nnames: ['car', 'Person']\n", "data.yaml"), 1);
-  EXPECT_EQ(parse_yolo_yaml("names:\n  - pedestrian\n  - car\n", "data.yaml"), 0);
-  EXPECT_EQ(parse_yolo_yaml("names:\n  0: car\n  5: person\n", "data.yaml"), 5);
-  EXPECT_FALSE(parse_yolo_yaml("path: .\n", "other.yaml"));
-  EXPECT_THAT(testing::error_of([] { parse_yolo_yaml("names: [car]\n", "data.yaml"); }),
-              HasSubstr("data.yaml: names: holds no person"));
 }
 
 }  // namespace

@@ -32,9 +32,9 @@ void check_folder(const fs::path& folder) {
   if (!fs::is_directory(folder, error)) throw InputError(folder.string(), "", "found a file, expected a folder");
 }
 
-std::vector<TrainingPicture> find_pictures(const std::string& folder, bool are_crops) {
+std::vector<TrainingPicture> find_pictures(const std::string& folder, bool are_crops, const SayNote& note) {
   check_folder(folder);
-  if (auto pictures = labelled_pictures(folder)) return std::move(*pictures);
+  if (auto pictures = labelled_pictures(folder, note)) return std::move(*pictures);
   std::vector<TrainingPicture> pictures;
   for (const auto& file : detail::files_below(folder, detail::is_image_name)) {
     pictures.emplace_back().path = file.string();
@@ -51,27 +51,43 @@ ImageBox person_in(const GrayImage& crop, double share) {
   return {(crop.width_px - width_px) / 2.0, (crop.height_px - height_px) / 2.0, width_px, height_px};
 }
 
+/// Finds the person in each crop. Scenes without labels are taken for crops, but are not upright as people are.
+void read_crops(std::span<TrainingPicture> crops, double person_share, const std::string& folder) {
+  std::size_t wide = 0;
+  std::string first_wide;
+  for (auto& crop : crops) {
+    const GrayImage image = load_picture(crop);
+    crop.people = {person_in(image, person_share)};
+    if (image.width_px > image.height_px && ++wide == 1)
+      first_wide = fmt::format("{} with {} x {} px", crop.path, image.width_px, image.height_px);
+  }
+  if (2 * wide > crops.size())
+    throw InputError(folder, "",
+                     fmt::format("holds no labels that are read, and {} of {} pictures are wider than high, {} the "
+                                 "first: expected labels, or upright crops of one person each",
+                                 wide, crops.size(), first_wide));
+}
+
 }  // namespace
 
-std::vector<TrainingPicture> find_pictures_of_people(std::span<const std::string> folders, double crop_person_share) {
+std::vector<TrainingPicture> find_pictures_of_people(std::span<const std::string> folders, double crop_person_share,
+                                                     const SayNote& note) {
   std::vector<TrainingPicture> result;
   for (const auto& folder : folders) {
-    std::size_t people = 0;
-    for (auto& picture : find_pictures(folder, true)) {
-      if (picture.is_crop) picture.people = {person_in(load_picture(picture), crop_person_share)};
-      if (picture.people.empty()) continue;
-      ++people;
-      result.push_back(std::move(picture));
-    }
-    if (people == 0) throw InputError(folder, "", "the labels hold no wholly visible person, expected one at least");
+    auto pictures = find_pictures(folder, true, note);
+    if (!pictures.empty() && pictures.front().is_crop) read_crops(pictures, crop_person_share, folder);
+    std::erase_if(pictures, [](const TrainingPicture& picture) { return picture.people.empty(); });
+    if (pictures.empty())
+      throw InputError(folder, "", "the labels hold no wholly visible person, expected one at least");
+    std::move(pictures.begin(), pictures.end(), std::back_inserter(result));
   }
   return result;
 }
 
-std::vector<TrainingPicture> find_background(std::span<const std::string> folders) {
+std::vector<TrainingPicture> find_background(std::span<const std::string> folders, const SayNote& note) {
   std::vector<TrainingPicture> result;
   for (const auto& folder : folders) {
-    auto pictures = find_pictures(folder, false);
+    auto pictures = find_pictures(folder, false, note);
     std::move(pictures.begin(), pictures.end(), std::back_inserter(result));
   }
   return result;
@@ -79,7 +95,7 @@ std::vector<TrainingPicture> find_background(std::span<const std::string> folder
 
 std::vector<std::string> files_to_train_on(std::span<const std::string> folders) {
   const auto is_read = [](const fs::path& file) {
-    constexpr std::array<std::string_view, 5> kLabels = {".txt", ".xml", ".yaml", ".yml", ".names"};
+    constexpr std::array<std::string_view, 6> kLabels = {".txt", ".xml", ".json", ".yaml", ".yml", ".names"};
     std::string extension = file.extension().string();
     std::ranges::transform(extension, extension.begin(),
                            [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
