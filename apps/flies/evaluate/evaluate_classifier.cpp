@@ -42,7 +42,11 @@ flies::WindowClassifier timed_classifier(std::shared_ptr<const flies::PeopleClas
     const auto start = std::chrono::steady_clock::now();
     auto scores = classifier->classify(image, windows);
     ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    for (double& score : scores) score = std::log(score / (1.0 - score));
+    for (double& score : scores) {
+      if (!(score >= 0.0 && score <= 1.0))
+        throw flies::InputError(classifier->name(), "probability", fmt::format("found {}, expected 0 to 1", score));
+      score = std::log(score / (1.0 - score));
+    }
     return scores;
   };
 }

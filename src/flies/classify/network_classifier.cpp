@@ -9,6 +9,7 @@
 #include <opencv2/dnn.hpp>
 #include <optional>
 
+#include "flies/classify/opencv_network.hpp"
 #include "flies/classify/resample.hpp"
 #include "flies/core/error.hpp"
 #include "flies/io/options_yaml.hpp"
@@ -21,10 +22,20 @@ namespace fs = std::filesystem;
 /// Windows that the network sees in one go: enough to keep it busy, few enough for any memory.
 constexpr std::size_t kBatch = 64;
 
+/// @throws InputError naming the network when it has none: the numbers of a network alone do not say what they mean
 NetworkOptions read_side_file(const fs::path& network) {
-  const std::string path = fs::path(network).replace_extension(".yaml").string();
+  const fs::path path = fs::path(network).replace_extension(".yaml");
+  std::error_code error;
+  if (!fs::exists(path, error))
+    throw InputError(network.string(), "",
+                     fmt::format("expected {} beside it, which says what windows the network takes and what it gives "
+                                 "(input_width_px, channels, output, ...); where all of that is as by default, it may "
+                                 "be empty",
+                                 path.filename().string()));
   NetworkOptions options;
-  for (const auto& setting : load_options_yaml(path)) set_option(options, setting.path, setting.text, setting.source);
+  if (fs::is_regular_file(path, error) && fs::file_size(path, error) == 0) return options;
+  for (const auto& setting : load_options_yaml(path.string()))
+    set_option(options, setting.path, setting.text, setting.source);
   return options;
 }
 
@@ -51,9 +62,10 @@ cv::dnn::Net read_network(const fs::path& path) {
   const std::string weights = is_caffe     ? beside(path, ".caffemodel", extension == ".caffemodel")
                               : is_darknet ? beside(path, ".weights", true)
                                            : "";
+  const QuietOpenCv quiet;
   try {
     if (is_caffe) return cv::dnn::readNetFromCaffe(layers, weights);
-    if (is_darknet) return cv::dnn::readNetFromDarknet(layers, weights);
+    if (is_darknet) return read_darknet(layers, weights);
     return cv::dnn::readNetFromONNX(path.string());
   } catch (const cv::Exception& error) {
     throw InputError(path.string(), "", "OpenCV cannot read this network: " + first_line(error));
@@ -74,6 +86,7 @@ class NetworkClassifier final : public PeopleClassifier {
       : name_(path), options_(read_side_file(path)), network_(read_network(path)) {
     network_.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
     const cv::Mat blank(options_.input_height_px, options_.input_width_px, CV_32F, cv::Scalar(0));
+    const QuietOpenCv quiet;
     try {
       run({blank, blank});
     } catch (const cv::Exception& error) {
@@ -136,6 +149,8 @@ class NetworkClassifier final : public PeopleClassifier {
 
   double probability_of(const float* values, int count) const {
     const double value = values[options_.person_index];
+    if (!cv::checkRange(cv::Mat(1, count, CV_32F, const_cast<float*>(values))))
+      throw InputError(name_, "", "gives numbers for a window that are not finite: are its weights damaged?");
     switch (options_.output) {
       case NetworkOutput::logit:
         return sigmoid(value);

@@ -47,9 +47,11 @@ struct NetworkOptions {
 bool is_network_file(const std::string& path);
 
 /// A network that OpenCV's dnn module reads: ONNX, Darknet (.cfg and .weights beside each other) or Caffe (.prototxt
-/// and .caffemodel; without the latter for networks that have no weights). Beside it lies `<network>.yaml`.
+/// and .caffemodel; without the latter for networks that have no weights). Beside it lies `<network>.yaml`, which may
+/// be empty.
 /// @param path any of the network's files
-/// @throws InputError naming the file: missing, not read by OpenCV, other outputs than the side file says
+/// @throws InputError naming the file: missing, not read by OpenCV, cut short, other outputs than the side file says.
+///         Its `classify` throws, too, when the network gives numbers that are not finite
 std::shared_ptr<const PeopleClassifier> network_classifier(const std::string& path);
 
 }  // namespace flies

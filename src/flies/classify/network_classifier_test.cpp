@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 
@@ -13,6 +14,7 @@ namespace flies {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 
 /// A Caffe network without weights: its numbers for a window are the means of its left and of its right half.
@@ -117,7 +119,75 @@ TEST(NetworkClassifier, SaysWhatIsWrong) {
   std::ofstream(good.path("lone.yaml")) << kSize;
   EXPECT_THAT(error_of(good.path("lone.cfg")), HasSubstr("expected lone.weights beside it"));
   fs::remove(good.path("net.yaml"));
-  EXPECT_THAT(error_of(good.path()), HasSubstr("net.yaml"));
+  EXPECT_THAT(error_of(good.path()), AllOf(HasSubstr("net.prototxt: expected net.yaml beside it, which says what"),
+                                           HasSubstr("may be empty")));
+}
+
+TEST(NetworkClassifier, TakesTheDefaultsOfAnEmptySideFile) {
+  const NetworkFiles files("", R"(
+input: "data"
+input_dim: 1 input_dim: 1 input_dim: 96 input_dim: 48
+layer { name: "lightest" type: "Pooling" bottom: "data" top: "lightest"
+        pooling_param { pool: MAX kernel_h: 96 kernel_w: 48 } }
+)");
+  std::ofstream(files.path("net.yaml")).close();
+  EXPECT_NEAR(people_classifier(files.path())->classify(HalfLit().view(), std::vector{kLit})[0], 200.0 / 255.0,
+              kSinglePrecision);
+}
+
+/// A network of Darknet that sums up what it sees, with this weight for every pixel.
+void write_darknet(const NetworkFiles& files, float weight) {
+  std::ofstream(files.path("sum.cfg")) << "[net]\nwidth=4\nheight=8\nchannels=1\n[convolutional]\nfilters=1\nsize=4\n"
+                                          "stride=4\npad=0\nactivation=linear\n[avgpool]\n";
+  std::ofstream(files.path("sum.yaml")) << kSize;
+  std::ofstream file(files.path("sum.weights"), std::ios::binary);
+  const auto put = [&](const auto& value) { file.write(reinterpret_cast<const char*>(&value), sizeof(value)); };
+  for (const std::int32_t version : {0, 2, 5}) put(version);
+  put(std::uint64_t{0});  // images seen in training
+  put(0.0F);              // bias
+  for (int i = 0; i < 16; ++i) put(weight);
+}
+
+TEST(NetworkClassifier, RefusesWeightsThatAreCutShortOrNoNumbers) {
+  const NetworkFiles files(kSize);
+  write_darknet(files, 1.0F / 16.0F);
+  EXPECT_NEAR(people_classifier(files.path("sum.cfg"))->classify(HalfLit().view(), std::vector{kLit})[0], 200.0 / 255.0,
+              kSinglePrecision);
+  fs::resize_file(files.path("sum.weights"), 48);
+  EXPECT_THAT(error_of(files.path("sum.cfg")), HasSubstr("sum.weights: has 48 bytes, and the network in"));
+  write_darknet(files, std::nanf(""));
+  EXPECT_THAT(error_of(files.path("sum.cfg")), HasSubstr("sum.weights: holds weights that are no finite numbers"));
+}
+
+TEST(NetworkClassifier, RefusesNumbersThatAreNotFinite) {
+  // 200 grey levels times this are beyond what single precision holds; nothing of a black picture is.
+  const NetworkFiles files(kSize + "scale: 1e6", R"(
+input: "data"
+input_dim: 1 input_dim: 1 input_dim: 8 input_dim: 4
+layer { name: "far" type: "Power" bottom: "data" top: "far" power_param { power: 9 scale: 1 shift: 0 } }
+layer { name: "mean" type: "Pooling" bottom: "far" top: "mean"
+        pooling_param { pool: AVE kernel_h: 8 kernel_w: 4 } }
+)");
+  const auto classifier = people_classifier(files.path());
+  EXPECT_THROW(
+      {
+        try {
+          classifier->classify(HalfLit().view(), std::vector{kLit});
+        } catch (const InputError& error) {
+          EXPECT_THAT(error.what(), HasSubstr("net.prototxt: gives numbers for a window that are not finite"));
+          throw;
+        }
+      },
+      InputError);
+}
+
+TEST(NetworkClassifier, KeepsTheLogOfOpenCvToItself) {
+  const NetworkFiles files(kSize);
+  write_darknet(files, 1.0F);
+  std::ofstream(files.path("sum.yaml")) << kSize << "channels: 3\n";
+  testing::internal::CaptureStderr();
+  EXPECT_THAT(error_of(files.path("sum.cfg")), HasSubstr("with 3 channels"));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(NetworkClassifier, ChecksItsSideFile) {

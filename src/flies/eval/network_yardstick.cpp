@@ -9,9 +9,9 @@
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
+#include "flies/classify/opencv_network.hpp"
 #include "flies/core/error.hpp"
 #include "flies/core/mat_view.hpp"
 #include "flies/io/folder.hpp"
@@ -49,29 +49,6 @@ Configuration read_configuration(const std::string& cfg_file) {
   return found;
 }
 
-std::uintmax_t size_of(const std::string& file) {
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
-  if (error) throw InputError(file, "", "cannot be read: " + error.message());
-  return bytes;
-}
-
-/// OpenCV reads on beyond the end of a file that is too short for the network.
-void check_length(cv::dnn::Net& network, const std::string& weights_file, const std::string& cfg_file) {
-  std::size_t numbers = 0;
-  for (const auto& name : network.getLayerNames()) {
-    const auto layer = network.getLayer(network.getLayerId(name));
-    if (layer->type == "Region") continue;  // has anchors, which stand in the .cfg
-    for (const auto& blob : layer->blobs) numbers += blob.total();
-  }
-  const auto bytes = size_of(weights_file), needed = numbers * sizeof(float);
-  if (bytes < needed)
-    throw InputError(weights_file, "",
-                     fmt::format("has {} bytes, and the network in {} needs at least {}: it is another network's, or "
-                                 "was cut short",
-                                 bytes, cfg_file, needed));
-}
-
 }  // namespace
 
 struct NetworkSearch::Model {
@@ -89,9 +66,6 @@ NetworkSearch::NetworkSearch(const std::string& weights_file, const NetworkSearc
   for (const auto& file : {weights_file, cfg_file})
     if (!detail::is_there(file))
       throw InputError(file, "", "is missing; a network of Darknet is NAME.weights beside NAME.cfg");
-  // OpenCV does not ask whether there is a header.
-  if (constexpr std::size_t kHeader = 20; size_of(weights_file) < kHeader)
-    throw InputError(weights_file, "", "is too short to be a file of weights");
   const Configuration configuration = read_configuration(cfg_file);
   if (configuration.classes > 0 && options.person_class >= configuration.classes)
     throw InputError(cfg_file, "network.person_class",
@@ -101,8 +75,8 @@ NetworkSearch::NetworkSearch(const std::string& weights_file, const NetworkSearc
   if (options.width_px > 0) size.width = options.width_px;
   if (options.height_px > 0) size.height = options.height_px;
   try {
-    cv::dnn::Net network = cv::dnn::readNetFromDarknet(cfg_file, weights_file);
-    check_length(network, weights_file, cfg_file);
+    const QuietOpenCv quiet;
+    const cv::dnn::Net network = read_darknet(cfg_file, weights_file);
     model_.reset(new Model{weights_file, options, cv::dnn::DetectionModel(network)});
     constexpr double kToOne = 1.0 / 255.0;
     model_->network.setInputParams(kToOne, size, {}, true);
@@ -125,6 +99,7 @@ PeopleSearch NetworkSearch::detect(const GrayView& left, const StereoCamera& cam
     cv::Mat colored;
     cv::cvtColor(image, colored, cv::COLOR_GRAY2BGR);
     constexpr float kKeepDoubles = 0.0F;
+    const QuietOpenCv quiet;
     model_->network.detect(colored, classes, confidences, boxes, static_cast<float>(least_probability), kKeepDoubles);
   } catch (const cv::Exception& error) {
     throw InputError(model_->file, "", "OpenCV cannot run this network: " + error.err);

@@ -39,13 +39,13 @@ classes=1
 num=1
 )";
 
-void write_network(const testing::TemporaryFolder& folder) {
+void write_network(const testing::TemporaryFolder& folder, float first_bias = 0.0F) {
   folder.write("cells.cfg", kConfiguration);
   std::ofstream file(folder.file("cells.weights"), std::ios::binary);
   const auto put = [&](const auto& value) { file.write(reinterpret_cast<const char*>(&value), sizeof(value)); };
   for (const std::int32_t version : {0, 2, 5}) put(version);
   put(std::uint64_t{0});  // images seen in training
-  for (const float bias : {0.0F, 0.0F, 0.0F, 0.0F, kDarkness, kClass}) put(bias);
+  for (const float bias : {first_bias, 0.0F, 0.0F, 0.0F, kDarkness, kClass}) put(bias);
   constexpr int kWeights = 3 * 8 * 8;  // of one filter
   for (int filter = 0; filter < 6; ++filter)
     for (int i = 0; i < kWeights; ++i) put(filter == 4 ? (kObjectness - kDarkness) / kWeights : 0.0F);
@@ -103,6 +103,13 @@ TEST(NetworkYardstick, RefusesAClassThatTheNetworkDoesNotHave) {
   write_network(folder);
   EXPECT_THAT(testing::error_of([&] { NetworkSearch(folder.file("cells.weights"), {.person_class = 14}); }),
               HasSubstr("cells.cfg: network.person_class: found 14, and the network has 1 classes"));
+}
+
+TEST(NetworkYardstick, RefusesWeightsThatAreNoNumbers) {
+  const testing::TemporaryFolder folder;
+  write_network(folder, std::nanf(""));
+  EXPECT_THAT(testing::error_of([&] { NetworkSearch(folder.file("cells.weights")); }),
+              HasSubstr("cells.weights: holds weights that are no finite numbers"));
 }
 
 TEST(NetworkYardstick, NamesTheFileThatIsMissingOrNoNetwork) {
