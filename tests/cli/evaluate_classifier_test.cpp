@@ -49,7 +49,8 @@ TEST_F(EvaluateClassifier, PrintsModelsSideBySideAndBySet) {
   EXPECT_EQ(result.err, "");
   for (const char* word :
        {"data: 6 windows with people, 50 without from 1 pictures", "opencv-48x96", "opencv-64x128",
-        "all sets, 6 people", "near, 3 people", "at 0.0001 a window", "calibration error", "microseconds"})
+        "all sets, 6 people", "near, 3 people", "at 0.0001 a window", "calibration error", "microseconds",
+        "-: 50 windows without people are too few to tell; 0.0001 a window needs 10000 at least"})
     EXPECT_THAT(result.out, HasSubstr(word));
   EXPECT_FALSE(cv::imread((folder.path() / "det.png").string()).empty());
   const std::string html = read_text(folder.path() / "report.html");
@@ -59,11 +60,11 @@ TEST_F(EvaluateClassifier, PrintsModelsSideBySideAndBySet) {
 }
 
 TEST_F(EvaluateClassifier, WritesTheDocumentedJson) {
-  const RunResult result = run({"--json", "-", "--seed", "7"});
+  const RunResult result = run({"--json", "-", "--seed", "7", "--negatives", "100"});
   ASSERT_EQ(result.status, 0) << result.err;
   const json report = json::parse(result.out);
   EXPECT_EQ(report.at("people"), 6);
-  EXPECT_EQ(report.at("windows_without_people"), 50);
+  EXPECT_EQ(report.at("windows_without_people"), 100);
   EXPECT_EQ(report.at("sampling").at("seed"), 7);
   ASSERT_EQ(report.at("models").size(), 2u);
   const json& rates = report.at("models").at(1).at("rates");
@@ -77,8 +78,11 @@ TEST_F(EvaluateClassifier, WritesTheDocumentedJson) {
   std::size_t windows = 0;
   for (const json& bin : model.at("reliability"))
     windows += bin.at("people").get<std::size_t>() + bin.at("others").get<std::size_t>();
-  EXPECT_EQ(windows, 56U);
-  for (const char* key : {"detection_rate", "low", "high", "threshold"}) EXPECT_TRUE(rates.at(0).at(key).is_number());
+  EXPECT_EQ(windows, 106U);
+  for (const char* key : {"detection_rate", "low", "high", "threshold"}) EXPECT_TRUE(rates.at(2).at(key).is_number());
+  for (const char* key : {"detection_rate", "threshold"})
+    EXPECT_TRUE(rates.at(0).at(key).is_null()) << "too few windows";
+  EXPECT_FALSE(rates.at(0).contains("low"));
 }
 
 TEST_F(EvaluateClassifier, RepeatsItselfWhateverTheThreads) {

@@ -95,7 +95,8 @@ TEST_F(TrainNetwork, WritesAModelAndAReport) {
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(written(), ElementsAre("net.html", "net.json"));
   EXPECT_THAT(result.err, HasSubstr("epoch 4 of 4"));
-  EXPECT_THAT(result.out, HasSubstr("% of people at 0.0001 false positives a window"));
+  EXPECT_THAT(result.out, HasSubstr("too few windows without people to tell of 0.0001 false positives a window"));
+  EXPECT_THAT(result.out, HasSubstr("% of people at 0.01 false positives a window"));
 
   const PeopleModel model = read_people_model((folder.path() / "net.json").string());
   ASSERT_TRUE(model.convolution);

@@ -32,6 +32,7 @@ std::size_t people(const flies::WindowScores& scores, const std::string& set) {
 
 /// "70.8 (66.4..75.2)", in per cent.
 std::string percent(const DetectionRate& rate) {
+  if (!rate.is_measured) return "-";
   std::string text = fmt::format("{:.1f}", 100.0 * rate.rate);
   if (rate.low && rate.high) text += fmt::format(" ({:.1f}..{:.1f})", 100.0 * *rate.low, 100.0 * *rate.high);
   return text;
@@ -65,6 +66,15 @@ std::string summary(std::span<const ClassifierResult> results, const ClassifierC
 std::string intervals(const ClassifierContext& context) {
   return fmt::format("people found in per cent ({:g} % interval) at so many false positives a window",
                      100.0 * context.estimate.confidence);
+}
+
+/// What "-" stands for; empty where there is none.
+std::string remark_on_unmeasured(const ClassifierResult& first) {
+  const auto unmeasured = std::ranges::find(first.rates, false, &DetectionRate::is_measured);
+  if (unmeasured == first.rates.end()) return "";
+  return fmt::format("-: {} windows without people are too few to tell; {:g} a window needs {:.0f} at least",
+                     count(first.scores.negatives), unmeasured->false_positives_per_window,
+                     1.0 / unmeasured->false_positives_per_window);
 }
 
 std::string trimmed(std::string line) {
@@ -121,7 +131,10 @@ std::string html_table(std::span<const ClassifierResult> results) {
   for (const auto& result : results) html += fmt::format("<td>{:.4f}</td>", result.reliability.calibration_error);
   html += "</tr>\n<tr><td>time, microseconds a window</td>";
   for (const auto& result : results) html += fmt::format("<td>{:.0f}</td>", result.us_per_window);
-  return html + "</tr>\n</table></div>\n";
+  html += "</tr>\n</table></div>\n";
+  if (const auto remark = remark_on_unmeasured(results.front()); !remark.empty())
+    html += fmt::format("<p>{}</p>\n", remark);
+  return html;
 }
 
 }  // namespace
@@ -145,6 +158,7 @@ std::string classifier_table(std::span<const ClassifierResult> results, const Cl
   };
   add("calibration error", [](const auto& r) { return fmt::format("{:.4f}", r.reliability.calibration_error); });
   add("time, microseconds a window", [](const auto& r) { return fmt::format("{:.0f}", r.us_per_window); });
+  if (const auto remark = remark_on_unmeasured(results.front()); !remark.empty()) text += remark + "\n";
   return text;
 }
 
@@ -163,9 +177,9 @@ std::string classifier_json(std::span<const ClassifierResult> results, const Cla
       Json entry = {{"set", rate.set.empty() ? Json(nullptr) : Json(rate.set)},
                     {"people", people(result.scores, rate.set)},
                     {"false_positives_per_window", rate.false_positives_per_window},
-                    {"detection_rate", rounded(rate.rate)},
-                    {"threshold", rounded(rate.threshold)}};
-      if (rate.low && rate.high) {
+                    {"detection_rate", rate.is_measured ? rounded(rate.rate) : Json(nullptr)},
+                    {"threshold", rate.is_measured ? rounded(rate.threshold) : Json(nullptr)}};
+      if (rate.is_measured && rate.low && rate.high) {
         entry["low"] = rounded(*rate.low);
         entry["high"] = rounded(*rate.high);
       }

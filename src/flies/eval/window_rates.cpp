@@ -94,6 +94,10 @@ Resampled resample(const WindowScores& scores, std::span<const Negative> negativ
 
 }  // namespace
 
+bool can_tell(std::size_t windows, double false_positives_per_window) {
+  return false_positives_per_window * static_cast<double>(windows) + kRounding >= 1.0;
+}
+
 double threshold_at(std::span<const double> negatives, double false_positives_per_window) {
   assert(!negatives.empty());
   const std::vector<std::vector<double>> one_picture = {{negatives.begin(), negatives.end()}};
@@ -116,7 +120,8 @@ std::vector<DetectionRate> detection_rates(const WindowScores& scores, std::span
       const double threshold = threshold_of(negatives, scores.negatives, once, wanted[w]);
       const auto rate = rates_above(threshold, positives, sets)[set].value();
       if (!rate) continue;
-      DetectionRate entry{set < sets ? scores.positives[set].set : "", wanted[w], threshold, *rate, {}, {}};
+      DetectionRate entry{set < sets ? scores.positives[set].set : "", wanted[w], threshold, *rate, {}, {},
+                          can_tell(negatives.size(), wanted[w])};
       if (auto& values = resampled[w][set]; !values.empty()) {
         entry.low = quantile(values, (1.0 - options.confidence) / 2.0);
         entry.high = quantile(values, (1.0 + options.confidence) / 2.0);

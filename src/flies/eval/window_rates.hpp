@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,7 +30,11 @@ struct DetectionRate {
   double threshold = 0.0;                   ///< a window is a person when its score exceeds this
   double rate = 0.0;                        ///< 0..1
   std::optional<double> low, high;          ///< interval; none without resamples
+  bool is_measured = true;                  ///< else there are too few windows without people to tell
 };
+
+/// Whether so many windows without people can tell a rate of false positives: one of them at least may be one.
+bool can_tell(std::size_t windows, double false_positives_per_window);
 
 /// The lowest score that at most this share of the negatives exceeds.
 /// @param negatives                  at least one

@@ -52,6 +52,16 @@ TEST(DetectionRates, AreOfAllSetsAndThenOfEach) {
   }
 }
 
+TEST(DetectionRates, SayWhichOfThemSoFewWindowsCannotTell) {
+  const std::array<double, 3> wanted = {0.05, 0.1, 0.5};
+  const auto rates = detection_rates(ten_and_eight(), wanted, {.resamples = 0});
+  ASSERT_EQ(rates.size(), 9u);
+  for (std::size_t i = 0; i < rates.size(); ++i) EXPECT_EQ(rates[i].is_measured, i % 3 != 0) << i;
+  EXPECT_TRUE(can_tell(10000, 1e-4));
+  EXPECT_FALSE(can_tell(9999, 1e-4));
+  EXPECT_FALSE(can_tell(0, 1.0));
+}
+
 TEST(DetectionRates, GiveIntervalsAboutTheRateOfTheExpectedWidth) {
   // 100 of 200 people above all negatives: a standard error of 3.5 %, and 95 % within 6.9 % of the half.
   WindowScores scores{{{"a", std::vector<double>(200, 0.0)}}, {{1, 1}, {1, 1}}};

@@ -54,8 +54,8 @@ std::string rates_table(const TrainingResult& result) {
   std::string html = "<div class=\"scroll\"><table><tr><th>false positives a window</th><th>people found</th></tr>\n";
   for (const auto& rate : detection_rates(result.validation, kReportedRates))
     if (rate.set.empty())
-      html +=
-          fmt::format("<tr><td>{:g}</td><td>{:.1f} %</td></tr>\n", rate.false_positives_per_window, 100 * rate.rate);
+      html += fmt::format("<tr><td>{:g}</td><td>{}</td></tr>\n", rate.false_positives_per_window,
+                          rate.is_measured ? fmt::format("{:.1f} %", 100 * rate.rate) : "too few windows to tell");
   return html + "</table></div>\n";
 }
 
@@ -100,10 +100,19 @@ std::string validation_summary(const TrainingResult& result, double false_positi
   if (background > 0 && !result.validation.positives.front().scores.empty())
     for (const auto& rate : detection_rates(result.validation, kReportedRates))
       if (rate.set.empty())
-        text += fmt::format("               {:.1f} % of people at {:g} false positives a window\n", 100 * rate.rate,
-                            rate.false_positives_per_window);
-  return text + fmt::format("threshold      {:.4f} for {:g} false positives a window; finds {:.1f} % of people\n",
-                            result.model.threshold, false_positive_rate, 100 * result.validation_rate);
+        text += rate.is_measured ? fmt::format("               {:.1f} % of people at {:g} false positives a window\n",
+                                               100 * rate.rate, rate.false_positives_per_window)
+                                 : fmt::format(
+                                       "               too few windows without people to tell of {:g} false "
+                                       "positives a window\n",
+                                       rate.false_positives_per_window);
+  const std::string threshold =
+      can_tell(background, false_positive_rate)
+          ? fmt::format("for {:g} false positives a window", false_positive_rate)
+          : fmt::format("(no window without people is above it: too few for {:g} false positives a window)",
+                        false_positive_rate);
+  return text + fmt::format("threshold      {:.4f} {}; finds {:.1f} % of people\n", result.model.threshold, threshold,
+                            100 * result.validation_rate);
 }
 
 std::string training_summary(const TrainOptions& options, const TrainingResult& result) {
