@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 
 #include "flies/core/convert.hpp"
@@ -49,15 +50,29 @@ double number(const json& object, const char* key, const Place& place) {
   return *value;
 }
 
+/// As `optional_number`, of what cannot be below 0.
+std::optional<double> optional_size(const json& object, const char* key, const Place& place) {
+  const auto value = optional_number(object, key, place);
+  if (value && *value < 0.0) place.fail(key, fmt::format("found {}, expected a number from 0", *value));
+  return value;
+}
+
+/// As `number`, of the side of a box.
+double side(const json& object, const char* key, const Place& place) {
+  const double value = number(object, key, place);
+  if (!(value > 0.0)) place.fail(key, fmt::format("found {}, expected a number above 0", value));
+  return value;
+}
+
 Obstacle obstacle_of(const json& entry, const Place& place) {
   if (!entry.is_object()) place.fail("", fmt::format("found {}, expected an object", entry.type_name()));
   Obstacle obstacle;
   obstacle.x_m = number(entry, "x_m", place);
   obstacle.y_m = number(entry, "y_m", place);
-  obstacle.range_m = optional_number(entry, "range_m", place).value_or(std::hypot(obstacle.x_m, obstacle.y_m));
-  obstacle.width_m = optional_number(entry, "width_m", place).value_or(0.0);
-  obstacle.depth_m = optional_number(entry, "depth_m", place).value_or(0.0);
-  obstacle.height_m = optional_number(entry, "height_m", place).value_or(0.0);
+  obstacle.range_m = optional_size(entry, "range_m", place).value_or(std::hypot(obstacle.x_m, obstacle.y_m));
+  obstacle.width_m = optional_size(entry, "width_m", place).value_or(0.0);
+  obstacle.depth_m = optional_size(entry, "depth_m", place).value_or(0.0);
+  obstacle.height_m = optional_size(entry, "height_m", place).value_or(0.0);
   obstacle.score = optional_number(entry, "score", place).value_or(0.0);
   return obstacle;
 }
@@ -66,8 +81,8 @@ ImageBox box_of(const json& entry, const Place& place) {
   const auto found = entry.find("box");
   if (found == entry.end() || !found->is_object()) place.fail("box", "found none, expected an object");
   const Place inside{place.source, place.line, place.field + ".box"};
-  return {number(*found, "u_px", inside), number(*found, "v_px", inside), number(*found, "width_px", inside),
-          number(*found, "height_px", inside)};
+  return {number(*found, "u_px", inside), number(*found, "v_px", inside), side(*found, "width_px", inside),
+          side(*found, "height_px", inside)};
 }
 
 Pedestrian pedestrian_of(const json& entry, const Place& place) {
@@ -78,6 +93,8 @@ Pedestrian pedestrian_of(const json& entry, const Place& place) {
   person.range_m = as_obstacle.range_m;
   person.height_m = as_obstacle.height_m;
   const auto probability = optional_number(entry, "probability", place);
+  if (probability && (*probability < 0.0 || *probability > 1.0))
+    place.fail("probability", fmt::format("found {}, expected 0 to 1 (other numbers belong into score)", *probability));
   person.probability = probability ? *probability : number(entry, "score", place);
   person.box = box_of(entry, place);
   return person;
@@ -117,6 +134,11 @@ Scan scan_of(const json& entry, const Place& place) {
   if (states == entry.end() || !states->is_string()) place.fail("states", "found none, expected a text");
   for (const char letter : states->get_ref<const std::string&>())
     scan.states.push_back(state_of(letter, scan.size(), place));
+  constexpr double kRounding = 1e-3;  // of a turn: increments are written with few digits
+  if (const double turns = static_cast<double>(scan.size()) * scan.angle_increment_rad / (2.0 * std::numbers::pi);
+      turns > 1.0 + kRounding)
+    place.fail("states", fmt::format("found {} sectors of {} rad, which are {:.2f} turns, expected one at most",
+                                     scan.size(), scan.angle_increment_rad, turns));
   if (!entry.contains("ranges_m")) place.fail("ranges_m", "found none, expected a list");
   scan.ranges_m = numbers_of(entry, "ranges_m", scan.size(), std::numeric_limits<double>::quiet_NaN(), place);
   scan.free_m = numbers_of(entry, "free_m", scan.size(), 0.0, place);
@@ -185,6 +207,26 @@ ReportedFrame frame_of(const json& record, const std::string& source, int line) 
   return frame;
 }
 
+/// What some lines have and others not would be dropped with all that it says. Lines of pairs that could not be used
+/// say that nothing was found.
+template <class Part>
+void check_part(std::vector<ReportedFrame>& frames, std::optional<Part> ReportedFrame::*part, const char* name,
+                const std::string& source) {
+  const auto first =
+      std::ranges::find_if(frames, [&](const ReportedFrame& frame) { return (frame.*part).has_value(); });
+  if (first == frames.end()) return;
+  const Part example = *((*first).*part);
+  for (auto& frame : frames) {
+    if (frame.*part) continue;
+    if (!frame.is_unusable)
+      throw InputError(
+          source, fmt::format("line {}", frame.line),
+          fmt::format("{}: found none, but line {} has one: expected one in every line", name, first->line));
+    frame.*part = example;
+    forget_findings(frame);
+  }
+}
+
 /// Of bytes: it takes some hundred times its length to parse. A pair has some 30 kB.
 constexpr std::size_t kLongestLine = 16U << 20;
 
@@ -207,6 +249,8 @@ std::vector<ReportedFrame> parse_detections(std::string_view text, const std::st
                        fmt::format("has more than {} MB, expected the result of one pair", kLongestLine >> 20U));
     frames.push_back(frame_of(json::parse(line.content, nullptr, false), source, line.number));
   }
+  check_part(frames, &ReportedFrame::pedestrians, "pedestrians", source);
+  check_part(frames, &ReportedFrame::scan, "scan", source);
   return frames;
 }
 

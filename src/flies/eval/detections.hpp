@@ -26,11 +26,12 @@ struct ReportedFrame {
 
 /// Reads JSON Lines of any program. An object needs "obstacles", a list whose entries need "x_m" and "y_m"; "width_m",
 /// "height_m", "score" and "range_m" (else hypot(x, y)) may be left out. "pedestrians" is such a list as well; its
-/// entries need "probability" (else "score", any number that grows with it) and "box" ("u_px", "v_px", "width_px",
-/// "height_px") too, for they are matched in the image. "scan" is an object as `flies detect --json` writes it: needed
-/// are "angle_min_rad", "angle_increment_rad", "states" (a letter a sector: o, f or u) and "ranges_m" (a number where
-/// the state is o); "free_m" and "confidence" may be left out. An "error", as `flies detect` and `flies track` write
-/// it, says why a pair could not be used. Further keys are ignored, and so are empty lines.
+/// entries need "probability", 0 to 1 (else "score", any number that grows with it) and "box" ("u_px", "v_px",
+/// "width_px", "height_px") too, for they are matched in the image. "scan" is an object as `flies detect --json` writes
+/// it: needed are "angle_min_rad", "angle_increment_rad", "states" (a letter a sector: o, f or u) and "ranges_m" (a
+/// number where the state is o); "free_m" and "confidence" may be left out. Either all lines have people, or a scan, or
+/// none, but for those with an "error", which, as `flies detect` and `flies track` write it, says why a pair could not
+/// be used. Further keys are ignored, and so are empty lines.
 /// @param source file name, for errors
 /// @throws InputError naming the line and the key on malformed JSON, a missing key, a value of another type or a
 ///         position that is not finite

@@ -41,6 +41,42 @@ TEST(ParseDetections, RefusesLinesThatAreNoResultOfAPair) {
   EXPECT_EQ(parse_complaint(line), "d.jsonl: line 2: has more than 16 MB, expected the result of one pair");
 }
 
+/// A line with one person.
+std::string person_line(const std::string& probability, const std::string& width_px, const std::string& more = "") {
+  return R"({"obstacles": [], "pedestrians": [{"x_m": 8, "y_m": 1, "probability": )" + probability + more +
+         R"(, "box": {"u_px": 1, "v_px": 2, "height_px": 6, "width_px": )" + width_px + "}}]}\n";
+}
+
+TEST(ParseDetections, RefusesSizesAndProbabilitiesThatNothingHas) {
+  EXPECT_EQ(parse_complaint(person_line("0.5", "3")), "no complaint");
+  EXPECT_THAT(parse_complaint(person_line("0.5", "-5")),
+              HasSubstr("pedestrians[0].box.width_px: found -5, expected a number above 0"));
+  EXPECT_THAT(parse_complaint(person_line("0.5", "0")), HasSubstr("box.width_px"));
+  EXPECT_THAT(parse_complaint(person_line("7", "3")),
+              HasSubstr("pedestrians[0].probability: found 7, expected 0 to 1"));
+  EXPECT_THAT(parse_complaint(person_line("-0.1", "3")), HasSubstr("probability: found -0.1"));
+  EXPECT_THAT(parse_complaint(person_line("0.5", "3", R"(, "height_m": -1)")), HasSubstr("height_m: found -1"));
+  EXPECT_THAT(parse_complaint(R"({"obstacles": [{"x_m": 8, "y_m": 1, "width_m": -2}]})"),
+              HasSubstr("obstacles[0].width_m: found -2, expected a number from 0"));
+}
+
+TEST(ParseDetections, RefusesPeopleOrScansInSomeLinesOnly) {
+  const std::string none = "{\"obstacles\": []}\n", failed = "{\"obstacles\": [], \"error\": \"a.png: is empty\"}\n";
+  EXPECT_THAT(parse_complaint(person_line("0.5", "3") + none), HasSubstr("d.jsonl: line 2: pedestrians: found none"));
+  EXPECT_EQ(parse_complaint(none + none), "no complaint");
+  const auto frames = parse_detections(failed + person_line("0.5", "3"), "d.jsonl");
+  ASSERT_TRUE(frames[0].pedestrians);
+  EXPECT_TRUE(frames[0].pedestrians->empty());
+
+  const std::string scan =
+      R"({"obstacles": [], "scan": {"angle_min_rad": 0, "angle_increment_rad": 1, "states": "o", "ranges_m": [3]}})"
+      "\n";
+  EXPECT_THAT(parse_complaint(scan + none), HasSubstr("d.jsonl: line 2: scan: found none, but line 1 has one"));
+  const auto scans = parse_detections(failed + scan, "d.jsonl");
+  ASSERT_TRUE(scans[0].scan);
+  EXPECT_THAT(scans[0].scan->states, ::testing::ElementsAre(SectorState::unknown));
+}
+
 TEST(NoteOnUnusable, CountsLinesThatSayThatThePairCouldNotBeUsed) {
   const std::string found = "{\"obstacles\": []}\n", failed = "{\"obstacles\": [], \"error\": \"a.png: is empty\"}\n";
   const auto note = [](const std::string& text) {
@@ -154,10 +190,9 @@ TEST(ParseDetections, ReadsAScan) {
       R"({"obstacles": [], "scan": {"angle_min_rad": -0.5, "angle_increment_rad": 0.25, "states": "ofu", )"
       R"("ranges_m": [7.5, null, null], "free_m": [7, 20, 0], "confidence": [0.9, 0.8, 0]}})"
       "\n"
-      R"({"obstacles": [], "scan": {"angle_min_rad": 0, "angle_increment_rad": 1, "states": "o", "ranges_m": [3]}})"
-      "\n{\"obstacles\": []}\n",
+      R"({"obstacles": [], "scan": {"angle_min_rad": 0, "angle_increment_rad": 1, "states": "o", "ranges_m": [3]}})",
       "d.jsonl");
-  ASSERT_EQ(frames.size(), 3u);
+  ASSERT_EQ(frames.size(), 2u);
   const Scan& scan = frames[0].scan.value();
   EXPECT_EQ(scan.angle_min_rad, -0.5);
   EXPECT_EQ(scan.angle_increment_rad, 0.25);
@@ -168,7 +203,7 @@ TEST(ParseDetections, ReadsAScan) {
   EXPECT_EQ(scan.confidence, (std::vector{0.9, 0.8, 0.0}));
   EXPECT_EQ(frames[1].scan.value().confidence, std::vector{1.0});
   EXPECT_EQ(frames[1].scan.value().free_m, std::vector{0.0});
-  EXPECT_FALSE(frames[2].scan.has_value());
+  EXPECT_FALSE(parse_detections("{\"obstacles\": []}", "d.jsonl")[0].scan.has_value());
 }
 
 TEST(ParseDetections, NamesWhatIsWrongWithAScan) {
@@ -177,6 +212,13 @@ TEST(ParseDetections, NamesWhatIsWrongWithAScan) {
   };
   EXPECT_THAT(complaint_of("[]"), HasSubstr("d.jsonl: line 1: scan: found array, expected an object"));
   EXPECT_THAT(complaint_of("{}"), HasSubstr("scan.angle_min_rad"));
+  const auto of_sectors = [&](double increment) {
+    return complaint_of(R"({"angle_min_rad": 0, "ranges_m": [null, null, null, null], "states": "uuuu", )"
+                        R"("angle_increment_rad": )" +
+                        std::to_string(increment) + "}");
+  };
+  EXPECT_EQ(of_sectors(1.5708), "no complaint") << "a whole turn";
+  EXPECT_THAT(of_sectors(1.6), HasSubstr("scan.states: found 4 sectors of 1.6 rad, which are 1.02 turns"));
   const std::string start = R"({"angle_min_rad": 0, "angle_increment_rad": )";
   EXPECT_THAT(complaint_of(start + "0}"), HasSubstr("scan.angle_increment_rad: expected a number above 0"));
   EXPECT_THAT(complaint_of(start + "1}"), HasSubstr("scan.states"));
