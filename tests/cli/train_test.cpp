@@ -85,6 +85,9 @@ TEST_F(Train, NamesAFaultAndLeavesNothingBehind) {
       {{"--out", "m.json", "--name", "M\xFCller"}, "--name: is not UTF-8"},
       {{"--out", "M\xFCller.json"}, "--out: is not UTF-8"},
       {{"--out", "m.json", "--stereo-negatives", "street"}, "street"},
+      {{"--out", "m.json", "--crop-person-share", "nan"}, "--crop-person-share: found nan, expected 0.1 to 1"},
+      {{"--out", "m.json", "--crop-person-share", "1.5"}, "--crop-person-share: found 1.5"},
+      {{"--out", "m.json", "--positives", "street"}, "street: holds no labels that are read, and 12 of 12 pictures"},
   };
   for (const auto& wrong : cases) {
     const RunResult result = run_flies(folder.path(), train(wrong.words));
@@ -93,6 +96,19 @@ TEST_F(Train, NamesAFaultAndLeavesNothingBehind) {
     EXPECT_EQ(lines(result.err).size(), 1U) << result.err;
     EXPECT_THAT(written(), IsEmpty()) << wrong.complaint;
   }
+}
+
+TEST_F(Train, TellsOfPicturesWithoutLabelsAndOfTooFewWindows) {
+  write_text(folder.path() / "street/100.xml", "<annotation><filename>100.png</filename></annotation>");
+  for (const char* name : {"101", "102", "103"})
+    write_text(folder.path() / "street" / (std::string(name) + ".xml"), "<annotation/>");
+  const RunResult result = run_flies(folder.path(), train({"--out", "m.json", "--negatives.validation_per_picture",
+                                                           "20", "--false-positive-rate", "0.0001"}));
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err,
+            "flies: note: street: 8 of 12 pictures have no labels and are not used, street/104.png the first\n");
+  EXPECT_THAT(result.out, HasSubstr("too few windows without people to tell of 0.0001 false positives a window"));
+  EXPECT_THAT(result.out, HasSubstr("is above it: too few for 0.0001 false positives a window)"));
 }
 
 TEST_F(Train, NamesADamagedPicture) {

@@ -64,7 +64,8 @@ void for_each_entry(const json& root, const char* list, const std::string& sourc
   std::size_t index = 0;
   for (const json& object : root.at(list)) {
     const std::string field = fmt::format("{}[{}]", list, index++);
-    if (!object.is_object()) throw InputError(source, field, fmt::format("found {}, expected an object", object.type_name()));
+    if (!object.is_object())
+      throw InputError(source, field, fmt::format("found {}, expected an object", object.type_name()));
     take(Entry{object, source, field});
   }
 }
@@ -101,10 +102,11 @@ std::vector<PictureLabels> parse_coco_labels(const std::string& text, const std:
   const auto is_list = [&](const char* list) { return root.contains(list) && root.at(list).is_array(); };
   if (!root.is_object() || !std::ranges::all_of(kLists, is_list))
     throw InputError(source, "",
-                     root.is_discarded() ? "is no JSON, expected COCO's labels"
-                                         : "is JSON, but not as COCO's labels are, with images, annotations and "
-                                           "categories; other labels in JSON are not read, and a file without labels is to be "
-                                           "moved away");
+                     root.is_discarded()
+                         ? "is no JSON, expected COCO's labels"
+                         : "is JSON, but not as COCO's labels are, with images, annotations and "
+                           "categories; other labels in JSON are not read, and a file without labels is to be "
+                           "moved away");
   std::map<std::string, LabelKind> kinds;
   for_each_entry(root, "categories", source,
                  [&](const Entry& category) { kinds[category.id("id")] = label_kind(category.text("name")); });

@@ -8,9 +8,9 @@
 namespace flies {
 namespace {
 
-constexpr std::array<std::string_view, 9> kPeople = {
-    "person", "pedestrian", "human", "persons", "pedestrians", "humans", "pasperson", "paspersonstanding",
-    "paspersonwalking"};
+constexpr std::array<std::string_view, 9> kPeople = {"person",    "pedestrian",        "human",
+                                                     "persons",   "pedestrians",       "humans",
+                                                     "pasperson", "paspersonstanding", "paspersonwalking"};
 constexpr std::array<std::string_view, 8> kHoldsPerson = {"person",  "pedestrian", "human",    "people",
                                                           "cyclist", "rider",      "dontcare", "crowd"};
 

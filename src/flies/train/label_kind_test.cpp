@@ -11,9 +11,9 @@ TEST(LabelKind, TakesPeopleByAnyUsualName) {
 }
 
 TEST(LabelKind, PutsWhoSitsRidesOrIsInACrowdAside) {
-  for (const char* name : {"Person_sitting", "person_sitting", "Cyclist", "cyclist", "motorcyclist", "rider", "people",
-                           "crowd", "PASpersonSitting", "DontCare", "dontcare", "dont_care", "ignored regions",
-                           "person?", "person-group"})
+  for (const char* name :
+       {"Person_sitting", "person_sitting", "Cyclist", "cyclist", "motorcyclist", "rider", "people", "crowd",
+        "PASpersonSitting", "DontCare", "dontcare", "dont_care", "ignored regions", "person?", "person-group"})
     EXPECT_EQ(label_kind(name), LabelKind::unclear) << name;
 }
 

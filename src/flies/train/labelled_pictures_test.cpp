@@ -68,8 +68,8 @@ TEST_F(LabelledPictures, ReadsCoco) {
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_EQ(found[0].path, path("s/images/train/a.png"));
   EXPECT_EQ(found[0].people[0].height_px, 100.0);
-  EXPECT_THAT(notes_, ElementsAre(AllOf(HasSubstr("1 of 2 pictures have no labels and are not used"),
-                                        HasSubstr("b.png"))));
+  EXPECT_THAT(notes_,
+              ElementsAre(AllOf(HasSubstr("1 of 2 pictures have no labels and are not used"), HasSubstr("b.png"))));
 }
 
 TEST_F(LabelledPictures, ReadsTheTextOfTheInriaPeople) {

@@ -129,9 +129,9 @@ int keypoint_numbers_of(const YAML::Node& root, const std::string& source) {
   const int points = detail::parse_whole_number(shape[0].Scalar(), source, "kpt_shape");
   const int numbers = detail::parse_whole_number(shape[1].Scalar(), source, "kpt_shape");
   if (points < 1 || points > kMostPoints || numbers < 2 || numbers > 3)
-    throw InputError(source, "kpt_shape",
-                     fmt::format("found {} keypoints of {} numbers, expected 1 to {} of 2 or 3", points, numbers,
-                                 kMostPoints));
+    throw InputError(
+        source, "kpt_shape",
+        fmt::format("found {} keypoints of {} numbers, expected 1 to {} of 2 or 3", points, numbers, kMostPoints));
   return points * numbers;
 }
 
@@ -161,10 +161,11 @@ PictureLabels parse_yolo_labels(std::string_view text, const std::string& source
     const std::string field = fmt::format("line {}", number);
     const Line kind = kind_of(fields, classes, lines);
     if (kind == Line::unknown)
-      throw InputError(source, field,
-                       fmt::format("found {} fields, expected YOLO's class, middle, width and height, or the corners of "
-                                   "a polygon; keypoints need kpt_shape in the YAML file of the set",
-                                   fields.size()));
+      throw InputError(
+          source, field,
+          fmt::format("found {} fields, expected YOLO's class, middle, width and height, or the corners of "
+                      "a polygon; keypoints need kpt_shape in the YAML file of the set",
+                      fields.size()));
     const int of_class = detail::parse_whole_number(fields[0], source, field);
     const bool is_person = classes.people.contains(of_class);
     if (!is_person && !classes.unclear.contains(of_class)) return;
@@ -199,8 +200,7 @@ std::optional<YoloClasses> parse_yolo_yaml(const std::string& text, const std::s
   for (const auto& entry : names) {
     const YAML::Node& name = names.IsMap() ? entry.second : entry;
     if (name.IsScalar() && label_kind(name.Scalar()) != LabelKind::other)
-      sort_in(classes,
-              names.IsMap() ? detail::parse_whole_number(entry.first.Scalar(), source, "names") : number,
+      sort_in(classes, names.IsMap() ? detail::parse_whole_number(entry.first.Scalar(), source, "names") : number,
               name.Scalar());
     ++number;
   }

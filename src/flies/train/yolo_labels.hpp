@@ -35,7 +35,8 @@ class YoloLines {
 
 /// Reads YOLO's labels of one picture: lines of a class and the middle, width and height of a box, or the corners of a
 /// polygon, in shares of the picture's width and height. What follows a box (as its programs write it: keypoints, then
-/// the confidence, then the number of a track) is passed over. Boxes that leave the picture by over a tenth are unclear.
+/// the confidence, then the number of a track) is passed over. Boxes that leave the picture by over a tenth are
+/// unclear.
 /// @param lines of the set
 /// @throws InputError naming the line: a wrong number of fields, no number, a share outside of 0 to 1
 PictureLabels parse_yolo_labels(std::string_view text, const std::string& source, const YoloClasses& classes,

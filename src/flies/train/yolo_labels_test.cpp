@@ -67,7 +67,8 @@ TEST(ParseYoloLabels, PassesConfidenceTrackAndKeypointsOver) {
   expect_boxes(" 0.45 0.4 0.9");
   expect_boxes(" 0.45 0.4 1 0.55 0.4 2");
   for (const char* more : {"", " 0.87", " 0.87 3"})
-    expect_boxes(std::string(" 0.45 0.4 0.9 0.55 0.4 0.8") + more, {.people = {0}, .unclear = {}, .keypoint_numbers = 6});
+    expect_boxes(std::string(" 0.45 0.4 0.9 0.55 0.4 0.8") + more,
+                 {.people = {0}, .unclear = {}, .keypoint_numbers = 6});
 }
 
 TEST(ParseYoloLabels, AsksTheWholeSetWhatFollowsABox) {
@@ -126,9 +127,8 @@ TEST(ParseYoloYaml, TakesTheShapeOfKeypoints) {
   EXPECT_EQ(parse_yolo_yaml("names: [person]\nkpt_shape: [17, 3]\n", "data.yaml")->keypoint_numbers, 51);
   EXPECT_EQ(parse_yolo_yaml("names: [person]\n", "data.yaml")->keypoint_numbers, 0);
   for (const char* shape : {"17", "[17]", "[0, 3]", "[17, 4]", "[[1], 2]"})
-    EXPECT_THAT(testing::error_of([&] {
-                  parse_yolo_yaml(std::string("names: [person]\nkpt_shape: ") + shape + "\n", "data.yaml");
-                }),
+    EXPECT_THAT(testing::error_of(
+                    [&] { parse_yolo_yaml(std::string("names: [person]\nkpt_shape: ") + shape + "\n", "data.yaml"); }),
                 HasSubstr("data.yaml: kpt_shape"))
         << shape;
 }
