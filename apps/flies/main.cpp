@@ -115,12 +115,13 @@ void setup(CLI::App& app) {
   for (CLI::App* command : app.get_subcommands({}))
     if (std::ranges::find(kTalking, command->get_name()) != kTalking.end()) add_verbosity_options(*command);
   wrap_help(app);
-  refuse_options_as_values(app);
+  check_values(app);
 }
 
 int run(int argc, char** argv) {
   CLI::App app;
   setup(app);
+  refuse_empty_assignments(argc, argv);
   try {
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) print(app.help());

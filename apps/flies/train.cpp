@@ -19,6 +19,7 @@
 #include "flies/io/output_file.hpp"
 #include "flies/train/training_report.hpp"
 #include "flies/version.hpp"
+#include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/notes.hpp"
 #include "shared/output_claims.hpp"
@@ -255,6 +256,7 @@ void setup_train(CLI::App& app) {
   command
       ->add_option("--crop-person-share", arguments->crop_person_share,
                    "of a crop's height that the person in its middle fills; default 0.75")
+      ->check(in_range(0.1, 1.0))
       ->type_name("X");
   command->add_option("--name", arguments->name, "of the model; default: the file's")->type_name("TEXT");
   command->add_option("--about", arguments->about, "written into the model: licence, source of the data")

@@ -89,7 +89,7 @@ void setup(CLI::App& app, flies::NetworkArguments& arguments, Overrides& learnin
   add_options<flies::JudgingOptions>(app, judging);
   add_verbosity_options(app);
   wrap_help(app);
-  refuse_options_as_values(app);
+  check_values(app);
   app.footer(
       "\nA part of the pictures, of other scenes, is kept apart for calibration, threshold and the numbers that are\n"
       "printed. Same pictures, seed and options give the same file. docs/training.md tells how it works.\n"
@@ -136,6 +136,7 @@ int run(int argc, char** argv) {
   Overrides learning, judging;
   CLI::App app;
   setup(app, arguments, learning, judging);
+  refuse_empty_assignments(argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help

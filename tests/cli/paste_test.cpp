@@ -91,9 +91,9 @@ TEST_F(Paste, DrawnScenesAreNamedAsTheHelpNamesThem) {
   EXPECT_THAT(fault("synth out --scene room --sequence"),
               HasSubstr("command line: --sequence: takes place in a street, found --scene room"));
   EXPECT_THAT(fault("synth out --paste people --onto streets --step 0"),
-              HasSubstr("--step: Value 0 not in range 1 to 1000000000;"));
+              HasSubstr("--step: found 0, expected a whole number in 1..1000000000;"));
   EXPECT_THAT(fault("synth out --paste people --onto streets --start -1"),
-              HasSubstr("--start: Value -1 not in range 0 to 1000000000;"));
+              HasSubstr("--start: found -1, expected a whole number in 0..1000000000;"));
 }
 
 TEST_F(Paste, RepeatsItselfFromItsSceneFile) {

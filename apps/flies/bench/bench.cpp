@@ -16,6 +16,7 @@
 #include "flies/synth/scene_options.hpp"
 #include "flies/version.hpp"
 #include "shared/camera_arguments.hpp"
+#include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/cpu_name.hpp"
 #include "shared/output_claims.hpp"
@@ -178,7 +179,7 @@ void setup_bench(CLI::App& app) {
   add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   command->add_option("--runs", arguments->plan.runs, "how often everything runs, in turns; medians are printed")
-      ->check(CLI::Range(1, 1000))
+      ->check(in_range(1, 1000))
       ->capture_default_str();
   command->add_flag("--only-flies", arguments->only_flies, "no OpenCV, no growth: seconds instead of a minute");
   command->add_option("--json", arguments->json, "write JSON instead of the table; - is standard output")

@@ -19,6 +19,7 @@
 #include "flies/io/output_file.hpp"
 #include "flies/pipeline/detector.hpp"
 #include "shared/camera_arguments.hpp"
+#include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/notes.hpp"
 #include "shared/output_claims.hpp"
@@ -243,7 +244,7 @@ void setup_calib(CLI::App& app) {
   command->add_option("--size", arguments->size_px, "of the images: where the file has none, or is for another")
       ->delimiter(',')
       ->expected(2)
-      ->check(CLI::Range(1, 100000))
+      ->check(in_range(1, 100000))
       ->type_name("W,H");
   add_raw_option(*command, arguments->camera);
   add_resized_option(*command, arguments->camera);

@@ -18,6 +18,7 @@
 #include "flies/io/pair_source.hpp"
 #include "flies/rig/calibrate_rig.hpp"
 #include "flies/rig/coverage_picture.hpp"
+#include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/image_watch.hpp"
 #include "shared/output_claims.hpp"
@@ -287,13 +288,13 @@ void setup_calibrate(CLI::App& app) {
       "LEFT and RIGHT are cameras or films as `flies live` takes them, or LEFT is one of both images; views "
       "are taken while you hold the board");
   command->add_option("--views", arguments->living.views, "--live: as many are enough (20)")
-      ->check(CLI::Range(5, 1000).description(""))
+      ->check(in_range(5, 1000).description(""))
       ->needs(live)
       ->type_name("N");
   command->add_option("--size", arguments->living.size_px, "--live: picture size to ask a camera for, of both together")
       ->delimiter(',')
       ->expected(2)
-      ->check(CLI::Range(16, 100000).description(""))
+      ->check(in_range(16, 100000).description(""))
       ->needs(live)
       ->type_name("W,H");
   command->add_option("--check", arguments->check, "no board: does this calibration still fit the rig?")

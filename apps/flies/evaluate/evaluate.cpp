@@ -24,6 +24,7 @@
 #include "flies/io/images.hpp"
 #include "flies/io/output_file.hpp"
 #include "shared/camera_arguments.hpp"
+#include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
@@ -270,13 +271,13 @@ void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
       ->type_name("FILE");
   constexpr int kMostPairs = 1'000'000'000;
   command.add_option("--start", arguments.start, "first pair, from 0")
-      ->check(CLI::Range(0, kMostPairs).description(""))
+      ->check(in_range(0, kMostPairs).description(""))
       ->type_name("N");
   command.add_option("--end", arguments.end, "pair to stop before, from 0; else all")
-      ->check(CLI::Range(1, kMostPairs).description(""))
+      ->check(in_range(1, kMostPairs).description(""))
       ->type_name("N");
   command.add_option("--step", arguments.step, "every so many pairs")
-      ->check(CLI::Range(1, kMostPairs).description(""))
+      ->check(in_range(1, kMostPairs).description(""))
       ->type_name("N");
 }
 
@@ -293,7 +294,7 @@ void setup_evaluate(CLI::App& app) {
       ->type_name("FILE");
   add_method_options(*command, arguments->method);
   command->add_option("--seeds", arguments->seeds, "runs with seeds from --seed upwards, default 5")
-      ->check(CLI::Range(1, 10000))
+      ->check(in_range(1, 10000))
       ->type_name("N")
       ->group("Method");
   command

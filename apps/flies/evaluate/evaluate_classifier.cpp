@@ -17,6 +17,7 @@
 #include "flies/core/options.hpp"
 #include "flies/eval/window_data.hpp"
 #include "flies/io/output_file.hpp"
+#include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/listed_options.hpp"
 #include "shared/output_claims.hpp"
@@ -133,7 +134,7 @@ void setup_evaluate_classifier(CLI::App& app) {
       ->required()
       ->type_name("DIR");
   command->add_option("--threads", arguments->threads, "worker threads, 0 for one per core; default 1")
-      ->check(CLI::Range(0, 256))
+      ->check(in_range(0, 256))
       ->type_name("N");
   add_listed_options<flies::WindowSampling>(*command, "", "Measuring", arguments->sampling);
   add_listed_options<flies::EstimateOptions>(*command, "estimate.", "Measuring", arguments->estimate);

@@ -11,6 +11,7 @@
 #include "flies/io/output_file.hpp"
 #include "flies/reproduce/report.hpp"
 #include "flies/version.hpp"
+#include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/cpu_name.hpp"
 #include "shared/output_claims.hpp"
@@ -119,12 +120,12 @@ void setup_reproduce(CLI::App& app) {
   command->add_option("--kitti-object", arguments->kitti_object, "a KITTI object folder, the one that holds label_2")
       ->type_name("DIR");
   command->add_option("--seeds", arguments->seeds, "runs of each experiment, with seeds that count up")
-      ->check(CLI::Range(1, 1000))
+      ->check(in_range(1, 1000))
       ->type_name("N")
       ->capture_default_str();
   command->add_option("--seed", arguments->seed, "seed of the first run")->type_name("N")->capture_default_str();
   command->add_option("--scenes", arguments->scenes, "synthetic pairs of each kind")
-      ->check(CLI::Range(1, 100))
+      ->check(in_range(1, 100))
       ->type_name("N")
       ->capture_default_str();
   command->footer(

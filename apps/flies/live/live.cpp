@@ -18,6 +18,7 @@
 #include "live/live_run.hpp"
 #include "live/live_status.hpp"
 #include "live/view.hpp"
+#include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/end_on_signal.hpp"
 #include "shared/listed_options.hpp"
@@ -274,12 +275,12 @@ void add_source_options(CLI::App& command, LiveArguments& arguments) {
   command.add_option("--size", arguments.size_px, "picture size to ask a camera for, of both pictures together")
       ->delimiter(',')
       ->expected(2)
-      ->check(CLI::Range(16, 100000).description(""))
+      ->check(in_range(16, 100000).description(""))
       ->type_name("W,H");
   command
       .add_option("--rate", arguments.stream.rate_hz,
                   "pairs a second: of films and folders, instead of their own, or to ask a camera for")
-      ->check(CLI::Range(0.01, 10000.0).description(""))
+      ->check(in_range(0.01, 10000.0).description(""))
       ->type_name("HZ");
   command
       .add_option(
@@ -293,10 +294,10 @@ void add_source_options(CLI::App& command, LiveArguments& arguments) {
   command
       .add_option("--max-skew", arguments.max_skew_ms,
                   "pictures of two sources that are farther apart in time make no pair, milliseconds; default 20")
-      ->check(CLI::Range(0.1, 10000.0).description(""))
+      ->check(in_range(0.1, 10000.0).description(""))
       ->type_name("MS");
   command.add_option("--pairs", arguments.max_pairs, "end after so many pairs")
-      ->check(CLI::Range(1, 2147483647).description(""))
+      ->check(in_range(1, 2147483647).description(""))
       ->type_name("N");
 }
 

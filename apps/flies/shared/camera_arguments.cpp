@@ -3,6 +3,8 @@
 #include <array>
 #include <utility>
 
+#include "shared/command_line.hpp"
+
 void add_mount_options(CLI::App& command, CameraArguments& arguments) {
   command.add_option("--camera-height", arguments.height_m, "of the left camera above the road, metres")
       ->type_name("M");
@@ -26,7 +28,7 @@ void add_baseline_option(CLI::App& command, CameraArguments& arguments) {
   command
       .add_option("--baseline", arguments.baseline_m,
                   "distance between the two cameras, metres: overrules the file, whose lengths may be in another unit")
-      ->check(CLI::Range(0.0001, 10000.0).description(""))
+      ->check(in_range(0.0001, 10000.0).description(""))
       ->type_name("M");
 }
 
@@ -37,7 +39,7 @@ void add_calibrated_size_option(CLI::App& command, CameraArguments& arguments) {
           "image size that a calibration file without one, or with several, is for, where the images were resized")
       ->delimiter(',')
       ->expected(2)
-      ->check(CLI::Range(1, 100000).description(""))
+      ->check(in_range(1, 100000).description(""))
       ->type_name("W,H");
 }
 
@@ -54,7 +56,7 @@ void add_cameras_option(CLI::App& command, CameraArguments& arguments, const std
   command.add_option("--cameras", arguments.cameras, meaning)
       ->delimiter(',')
       ->expected(2)
-      ->check(CLI::Range(0, 255).description(""))
+      ->check(in_range(0, 255).description(""))
       ->type_name("L,R");
 }
 

@@ -3,6 +3,8 @@
 #include <memory>
 #include <string>
 
+#include "flies/core/error.hpp"
+
 namespace {
 
 class WrappingFormatter : public CLI::Formatter {
@@ -30,10 +32,20 @@ class WrappingFormatter : public CLI::Formatter {
   }
 };
 
-void refuse_options_as_values_of(CLI::App& command) {
+/// What an option takes, for errors.
+std::string expectation(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  for (const char* file : {"FILE", "PNG", "MODEL"})
+    if (type.find(file) != std::string::npos) return "the name of a file";
+  return type == "DIR" ? "the name of a folder" : "a value";
+}
+
+void check_values_of(CLI::App& command) {
   for (CLI::Option* option : command.get_options()) {
     if (option->get_items_expected_max() == 0) continue;
-    option->check([&command](const std::string& value) {
+    const bool may_be_empty = option->get_items_expected_min() == 0;
+    option->check([&command, option, may_be_empty](const std::string& value) {
+      if (value.empty()) return may_be_empty ? std::string() : "is empty, expected " + expectation(*option);
       const auto* other = value.starts_with("--") ? command.get_option_no_throw(value) : nullptr;
       return other == nullptr ? std::string() : "expects a value, found the option " + value;
     });
@@ -48,6 +60,15 @@ void wrap_help(CLI::App& app) {
   for (CLI::App* command : app.get_subcommands({})) command->formatter(formatter);
 }
 
-void refuse_options_as_values(CLI::App& app) {
-  for (CLI::App* command : app.get_subcommands({})) refuse_options_as_values_of(*command);
+void check_values(CLI::App& app) {
+  check_values_of(app);
+  for (CLI::App* command : app.get_subcommands({})) check_values_of(*command);
+}
+
+void refuse_empty_assignments(int argc, const char* const* argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word.starts_with("--") && word.find('=') == word.size() - 1)
+      throw flies::InputError("command line", word.substr(0, word.size() - 1), "is empty, expected a value");
+  }
 }

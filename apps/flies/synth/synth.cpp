@@ -19,6 +19,7 @@
 #include "flies/io/output_file.hpp"
 #include "flies/synth/render.hpp"
 #include "flies/synth/sequence.hpp"
+#include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/staged_folder.hpp"
@@ -217,12 +218,12 @@ void setup_synth(CLI::App& app) {
   command
       ->add_option("--frames", arguments->frames,
                    "pairs to render, default 1, or 60 of a sequence; their seeds count up from --seed")
-      ->check(CLI::Range(1, 100000))
+      ->check(in_range(1, 100000))
       ->type_name("N");
   CLI::Option* sequence = command->add_flag("--sequence", arguments->is_sequence,
                                             "a drive through one street, where cars, cyclists and people move");
   command->add_option("--rate", arguments->rate_hz, "pairs a second of a sequence, default 10")
-      ->check(CLI::Range(0.5, 1000.0))
+      ->check(in_range(0.5, 1000.0))
       ->needs(sequence)
       ->type_name("HZ");
   CLI::Option* paste = command->add_option("--paste", arguments->paste,
@@ -234,15 +235,15 @@ void setup_synth(CLI::App& app) {
   onto->needs(paste)->type_name("DIR");
   paste->needs(onto);
   command->add_option("--start", arguments->start, "first of these pairs, from 0")
-      ->check(CLI::Range(0, kMostPairs).description(""))
+      ->check(in_range(0, kMostPairs).description(""))
       ->needs(onto)
       ->type_name("N");
   command->add_option("--step", arguments->step, "every so many of them")
-      ->check(CLI::Range(1, kMostPairs).description(""))
+      ->check(in_range(1, kMostPairs).description(""))
       ->needs(onto)
       ->type_name("N");
   command->add_option("--threads", arguments->threads, "worker threads, 0 for one per core; pixels do not depend on it")
-      ->check(CLI::Range(0, 256))
+      ->check(in_range(0, 256))
       ->type_name("N");
   command->add_flag("--force", arguments->force, "overwrite an earlier result in a folder that is not empty");
   command->add_option("--options", arguments->options_file, "YAML file of options, such as the scene.yaml of a result")

@@ -18,6 +18,7 @@
 #include "flies/io/images.hpp"
 #include "flies/pipeline/tracker.hpp"
 #include "shared/camera_arguments.hpp"
+#include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/line_file.hpp"
 #include "shared/listed_options.hpp"
@@ -217,7 +218,7 @@ void setup_track(CLI::App& app) {
   command->add_option("--calib", arguments->sequence.calib, "calibration; of a drive the one beside it, if not given")
       ->type_name("FILE");
   command->add_option("--rate", arguments->sequence.rate_hz, "pairs a second, instead of their own times")
-      ->check(CLI::Range(0.01, 10000.0).description(""))
+      ->check(in_range(0.01, 10000.0).description(""))
       ->type_name("HZ");
   command->add_option("--times", arguments->sequence.times, "times of the pairs, one a line: seconds, or as KITTI raw")
       ->type_name("FILE");
