@@ -40,7 +40,7 @@ constexpr const char* kMakeAnother = "make another one, in each process its own"
 std::shared_ptr<const flies::PeopleClassifier> classifier_of(const std::string& preset,
                                                              const std::optional<PathArgument>& model) {
   if (model) return model->text.empty() ? nullptr : flies::people_classifier(model->text);
-  return flies::preset_classifier(flies::preset_named(preset, "preset"));
+  return flies::preset_classifier(flies::preset_named(preset, "arguments"));
 }
 
 /// One call at a time, whatever threads Python has: the others wait, without the interpreter's lock.
@@ -231,7 +231,7 @@ void bind_pipeline(py::module_& module) {
       "options",
       [](const std::string& preset) {
         py::list list;
-        list_into(list, flies::preset_options(flies::preset_named(preset, "preset")));
+        list_into(list, flies::preset_options(flies::preset_named(preset, "arguments")));
         list_into(list, flies::TrackerOptions{});
         return list;
       },

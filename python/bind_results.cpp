@@ -3,10 +3,13 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "flies/core/people_obstacles.hpp"
 #include "flies/core/results.hpp"
 #include "flies/pipeline/detector.hpp"
 #include "module.hpp"
@@ -16,6 +19,18 @@ namespace py = pybind11;
 
 namespace {
 
+/// A person with the index of the obstacle that he is, as the program's JSON has it.
+struct NumberedPedestrian : flies::Pedestrian {
+  std::optional<std::size_t> obstacle;
+};
+
+std::vector<NumberedPedestrian> people_of(const flies::Detection& detection) {
+  const auto own = flies::obstacles_of_people(detection.obstacles, detection.pedestrians);
+  std::vector<NumberedPedestrian> people;
+  for (std::size_t i = 0; i < own.size(); ++i) people.push_back({detection.pedestrians[i], own[i]});
+  return people;
+}
+
 /// Rows of the arrays: all attributes of the objects, under their names; the box by its four numbers.
 struct ObstacleRow {
   double x_m, y_m, range_m, range_sd_m, width_m, middle_offset_m, depth_m, height_m, ground_z_m, score;
@@ -24,6 +39,7 @@ struct ObstacleRow {
 struct PedestrianRow {
   double x_m, y_m, range_m, range_sd_m, height_m, probability;
   double u_px, v_px, width_px, height_px;
+  std::int64_t obstacle;  ///< -1: none
 };
 
 ObstacleRow row_of(const flies::Obstacle& o) {
@@ -42,7 +58,7 @@ ObstacleRow row_of(const flies::Obstacle& o) {
           .width_px = o.box.width_px,
           .height_px = o.box.height_px};
 }
-PedestrianRow row_of(const flies::Pedestrian& p) {
+PedestrianRow row_of(const NumberedPedestrian& p) {
   return {.x_m = p.x_m,
           .y_m = p.y_m,
           .range_m = p.range_m,
@@ -52,7 +68,8 @@ PedestrianRow row_of(const flies::Pedestrian& p) {
           .u_px = p.box.u_px,
           .v_px = p.box.v_px,
           .width_px = p.box.width_px,
-          .height_px = p.box.height_px};
+          .height_px = p.box.height_px,
+          .obstacle = p.obstacle ? static_cast<std::int64_t>(*p.obstacle) : -1};
 }
 
 template <class Row, class Item>
@@ -80,7 +97,7 @@ py::array_t<float> flies_of(const flies::Detection& detection) {
 py::tuple state_of(const flies::Detection& d) {
   const auto& plane = d.road.plane;
   const auto& flies = d.evolved.flies;
-  return py::make_tuple(d.obstacles, d.pedestrians, d.scan, d.stage_ms,
+  return py::make_tuple(d.obstacles, people_of(d), d.scan, d.stage_ms,
                         std::array{plane.height_m, plane.slope, plane.bank}, d.road.found, flies.x_m, flies.y_m,
                         flies.z_m, flies.fitness);
 }
@@ -89,7 +106,8 @@ flies::Detection detection_of(const py::tuple& state) {
   check_pickle(state, 10);
   flies::Detection d;
   d.obstacles = state[0].cast<std::vector<flies::Obstacle>>();
-  d.pedestrians = state[1].cast<std::vector<flies::Pedestrian>>();
+  const auto people = state[1].cast<std::vector<NumberedPedestrian>>();
+  d.pedestrians.assign(people.begin(), people.end());
   d.scan = state[2].cast<flies::Scan>();
   d.stage_ms = state[3].cast<flies::StageTimes_ms>();
   const auto plane = state[4].cast<std::array<double, 3>>();
@@ -155,7 +173,7 @@ void bind_obstacle(py::module_& module) {
 }
 
 void bind_pedestrian(py::module_& module) {
-  using flies::Pedestrian;
+  using Pedestrian = NumberedPedestrian;
   py::class_<Pedestrian>(module, "Pedestrian", "A person. Vehicle frame as of Obstacle.")
       .def_readonly("x_m", &Pedestrian::x_m, "Forward, metres.")
       .def_readonly("y_m", &Pedestrian::y_m, "To the left, metres.")
@@ -164,8 +182,10 @@ void bind_pedestrian(py::module_& module) {
       .def_readonly("height_m", &Pedestrian::height_m, "Head above feet, metres.")
       .def_readonly("probability", &Pedestrian::probability, "That this is a person, 0 to 1.")
       .def_readonly("box", &Pedestrian::box, "Tight around the person in the left image: an ImageBox.")
+      .def_readonly("obstacle", &Pedestrian::obstacle,
+                    "Index of the obstacle that this person is in the list of the Detection; None: of none.")
       .def(pickled<Pedestrian, &Pedestrian::x_m, &Pedestrian::y_m, &Pedestrian::range_m, &Pedestrian::range_sd_m,
-                   &Pedestrian::height_m, &Pedestrian::probability, &Pedestrian::box>())
+                   &Pedestrian::height_m, &Pedestrian::probability, &Pedestrian::box, &Pedestrian::obstacle>())
       .def("__repr__", [](const Pedestrian& p) {
         return fmt::format("<flies.Pedestrian {:.2f} m ahead, {:.2f} m to the left, probability {:.2f}>", p.x_m, p.y_m,
                            p.probability);
@@ -178,7 +198,7 @@ void bind_results(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(ObstacleRow, x_m, y_m, range_m, range_sd_m, width_m, middle_offset_m, depth_m, height_m,
                        ground_z_m, score, u_px, v_px, width_px, height_px);
   PYBIND11_NUMPY_DTYPE(PedestrianRow, x_m, y_m, range_m, range_sd_m, height_m, probability, u_px, v_px, width_px,
-                       height_px);
+                       height_px, obstacle);
   bind_box(module);
   bind_obstacle(module);
   bind_pedestrian(module);
@@ -186,15 +206,16 @@ void bind_results(py::module_& module) {
   py::class_<Detection, std::shared_ptr<Detection>>(module, "Detection", "What was found in one pair.")
       .def_readonly("obstacles", &Detection::obstacles,
                     "List of Obstacle, nearest first; made anew at every call, as are the arrays.")
-      .def_readonly("pedestrians", &Detection::pedestrians, "List of Pedestrian, nearest first.")
+      .def_property_readonly("pedestrians", &people_of, "List of Pedestrian, nearest first.")
       .def_readonly("scan", &Detection::scan, "The nearest obstacle in every direction: a Scan.")
       .def_property_readonly(
           "obstacle_array", [](const Detection& d) { return rows_of<ObstacleRow>(d.obstacles); },
           "The obstacles as a structured array, shape (n,), with all their attributes as float64 fields; the box as\n"
           "u_px, v_px, width_px, height_px.")
       .def_property_readonly(
-          "pedestrian_array", [](const Detection& d) { return rows_of<PedestrianRow>(d.pedestrians); },
-          "The pedestrians as a structured array, shape (n,), as `obstacle_array`.")
+          "pedestrian_array", [](const Detection& d) { return rows_of<PedestrianRow>(people_of(d)); },
+          "The pedestrians as a structured array, shape (n,), as `obstacle_array`, and `obstacle` as int64; -1: of "
+          "none.")
       .def_property_readonly("flies", &flies_of,
                              "The flies after the last generation, float32, shape (n, 4): x, y, z in metres, fitness.")
       .def_property_readonly(

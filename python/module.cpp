@@ -1,5 +1,6 @@
 #include "module.hpp"
 
+#include <cstddef>
 #include <exception>
 #include <utility>
 
@@ -18,6 +19,19 @@ void raise_input_error(std::exception_ptr exception) {
     std::rethrow_exception(std::move(exception));
   } catch (const flies::InputError& error) {
     PyErr_SetObject(input_error_type, sentence_str(error.what()).ptr());
+  }
+}
+
+/// pybind11 gives an object that was made by __new__, without __init__, raw memory when something is asked of it. Where
+/// that would come from, it is refused.
+void refuse_empty_objects(const py::module_& module) {
+  for (const auto& item : module.attr("__dict__").cast<py::dict>()) {
+    if (!py::isinstance<py::type>(item.second)) continue;
+    auto* const type = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(item.second.ptr()));
+    if (type == nullptr) continue;
+    type->operator_new = [](std::size_t /*bytes*/) -> void* {
+      throw py::type_error("an object of flies was made by __new__ alone and holds nothing: __init__ was not called");
+    };
   }
 }
 
@@ -41,5 +55,6 @@ PYBIND11_MODULE(_flies, module) {
   bind_results(module);
   bind_tracks(module);
   bind_pipeline(module);
+  refuse_empty_objects(module);
   module.attr("__name__") = own_name;
 }

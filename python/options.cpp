@@ -1,10 +1,12 @@
 #include "options.hpp"
 
+#include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 
 #include "flies/core/error.hpp"
 #include "flies/core/options.hpp"
@@ -22,6 +24,15 @@ constexpr std::ptrdiff_t kDeepest = 20;
 
 bool is_array_of_one(const py::handle& value) {
   return py::isinstance<py::array>(value) && py::reinterpret_borrow<py::array>(value).ndim() == 0;
+}
+
+void refuse_twice(Settings settings) {
+  std::ranges::sort(settings);
+  const auto same_path = [](const auto& a, const auto& b) { return a.first == b.first; };
+  const auto twice = std::ranges::adjacent_find(settings, same_path);
+  if (twice != settings.end())
+    throw flies::InputError(kSource, twice->first,
+                            fmt::format("is given twice, as {} and as {}", twice->second, std::next(twice)->second));
 }
 
 /// As it would be written on a command line.
@@ -61,11 +72,12 @@ bool is_mapping(PyObject* object) {
 PythonOptions python_options(const flies::StereoCamera& camera, const std::string& preset,
                              const OptionsMapping& options, bool may_follow) {
   PythonOptions result;
-  const flies::Preset named = flies::preset_named(preset, "preset");
+  const flies::Preset named = flies::preset_named(preset, "arguments");
   result.detector = flies::preset_options(named);
   if (named != flies::Preset::paper) result.detector = flies::fitted_options(camera, result.detector);
   Settings settings;
   flatten(options, "", settings);
+  refuse_twice(settings);
   for (const auto& [path, text] : settings)
     if (may_follow && flies::is_tracker_option(path))
       flies::set_option(result.following, path, text, kSource);

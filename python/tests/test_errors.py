@@ -23,6 +23,35 @@ def test_same_text_as_the_program(tmp_path):
     assert str(told.value) == program_says("calib", str(calib))
 
 
+def properties_of(made):
+    return [name for name in dir(made) if isinstance(getattr(made, name), property)]
+
+
+CLASSES = [c for c in vars(flies).values() if isinstance(c, type) and properties_of(c)]
+
+
+@pytest.mark.parametrize("made", CLASSES, ids=lambda made: made.__name__)
+def test_objects_without_init_hold_nothing(made):
+    empty = made.__new__(made)
+    for name in properties_of(made):
+        # pybind11 itself refuses what is asked of the owner of an object rather than of the object.
+        with pytest.raises((TypeError, RuntimeError), match="__init__ was not called|non-held to held"):
+            getattr(empty, name)
+    with pytest.raises(TypeError, match="__init__ was not called"):
+        repr(empty)
+
+
+def test_empty_objects_do_nothing(pair):
+    assert len(CLASSES) > 10
+    empty = [made.__new__(made) for made in (flies.Engine, flies.Detector, flies.Tracker)]
+    for ask in (lambda: empty[0].wait(1), lambda: empty[0].submit(*pair, 0), lambda: empty[1].process(*pair),
+                lambda: empty[2].process(*pair, 0.1)):
+        with pytest.raises(TypeError, match="__init__ was not called"):
+            ask()
+    with pytest.raises(TypeError, match="__init__ was not called"):
+        flies.Detector(flies.StereoCamera.__new__(flies.StereoCamera))
+
+
 def test_is_a_value_error():
     assert issubclass(flies.InputError, ValueError)
     assert flies.InputError.__module__ == "flies"
@@ -41,6 +70,8 @@ def test_missing_file_is_named(paths):
         ({"evolve.flies": 0.5}, "options: evolve.flies: found"),
         ({"evolve.flies": None}, "options: evolve.flies: found None"),
         ({1: 2}, "options: found the key 1"),
+        ({"evolve.flies": 3000, "evolve": {"flies": 4000}}, "options: evolve.flies: is given twice, as 3000 and as 4000"),
+        ({"no_such": 1}, "options: no_such: unknown option"),
         ({"evolve.flies": np.bool_(True)}, "options: evolve.flies: found"),
         ({"evolve": types.MappingProxyType({"fliess": 1})}, "options: evolve.fliess: unknown option"),
     ],
@@ -117,8 +148,9 @@ def test_options_of_following_belong_to_trackers(camera):
 
 
 def test_preset_model_and_camera_are_checked(camera):
-    with pytest.raises(flies.InputError, match="default\\|paper"):
-        flies.Detector(camera, preset="papr")
+    for ask in (lambda: flies.Detector(camera, preset="papr"), lambda: flies.options("papr")):
+        with pytest.raises(flies.InputError, match="^arguments: preset: found 'papr', expected default\\|paper"):
+            ask()
     with pytest.raises(flies.InputError, match="no-model"):
         flies.Detector(camera, model="no-model")
     with pytest.raises(flies.InputError, match="camera: baseline"):

@@ -55,6 +55,8 @@ def check_rows(array, things):
     for name in array.dtype.names:
         if name == "is_person":
             values = [thing.kind == "person" for thing in things]
+        elif name == "obstacle":
+            values = [-1 if thing.obstacle is None else thing.obstacle for thing in things]
         else:
             values = [getattr(thing.box if name in BOX else thing, name) for thing in things]
         assert np.array_equal(array[name], np.array(values)), name
@@ -70,6 +72,17 @@ def test_arrays_have_a_field_for_every_attribute(pair, camera):
     check_rows(trackings[-1].track_array, trackings[-1].tracks)
     assert (found.obstacle_array["range_sd_m"] > 0).all() and (found.pedestrian_array["range_sd_m"] > 0).all()
     assert {found.obstacle_array.dtype[i] for i in range(len(found.obstacle_array.dtype))} == {np.dtype(np.float64)}
+
+
+def test_people_have_the_obstacle_that_they_are_in_the_program(street, pair, camera):
+    unsure = {"classify": {"threshold_offset": -3, "one_stage_threshold_offset": -3}}
+    found = flies.Detector(camera, unsure).process(*pair)
+    words = [f"--classify.{name}={value}" for name, value in unsure["classify"].items()]
+    line = program_line(street, "detect", "left/000000.png", "right/000000.png", "--self-rectify", "off", *words)[0]
+    expected = [person["obstacle"] for person in line["pedestrians"]]
+    assert [person.obstacle for person in found.pedestrians] == expected
+    assert any(index is not None for index in expected), "the street shows nobody who is an obstacle"
+    assert found.pedestrian_array["obstacle"].dtype == np.int64
 
 
 def test_scan_is_borrowed_and_outlives_its_detection(pair, camera):

@@ -269,7 +269,9 @@ std::vector<BadInput> bad_inputs() {
       {"OptionUnknownName", with_words({"--fitness.function", "best"}), {"fitness.function", "best", "covariance"}},
       {"SeedNegative", with_words({"--seed", "-1"}), {"seed", "-1"}},
       {"EmptyField", with_words({"--field.x_min_m", "30", "--field.x_max_m", "20"}), {"x_m"}},
-      {"UnknownPreset", with_words({"--preset", "fast"}), {"--preset", "fast", "default|paper"}},
+      {"UnknownPreset",
+       with_words({"--preset", "fast"}),
+       {"command line: preset: found 'fast', expected ", "default|paper"}},
       {"MissingModel", with_words({"--model", "gone.json"}), {"gone.json", "opencv-48x96"}},
       {"ModelIsNoModel",
        [](const fs::path& f) {

@@ -193,7 +193,7 @@ DetectorOptions fitted_options(const StereoCamera& camera, DetectorOptions optio
 }
 
 Preset preset_named(std::string_view name, const std::string& source) {
-  return static_cast<Preset>(detail::parse_name(name, EnumNames<Preset>::names, "--preset", source));
+  return static_cast<Preset>(detail::parse_name(name, EnumNames<Preset>::names, "preset", source));
 }
 
 void check_detector_options(const DetectorOptions& options, const std::string& source) {
