@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/name_hint.hpp"
 #include "flies/core/options.hpp"
 #include "flies/version.hpp"
 #include "shared/command_line.hpp"
@@ -51,15 +52,15 @@ std::string unexpected_argument(const CLI::App& app) {
     if (!extra.starts_with("--")) continue;
     std::vector<std::string> known;
     for (const auto* option : (subcommands.empty() ? app : *subcommands.front()).get_options())
-      for (const auto& name : option->get_lnames()) known.push_back("--" + name);
-    return fmt::format("unknown option {}; did you mean {}?", extra, flies::nearest_name(extra, known));
+      for (const auto& name : option->get_lnames()) known.push_back(name);
+    const std::string nearest = flies::nearest_name(extra.substr(2), known);
+    return fmt::format("unknown option {}{}", extra, nearest.empty() ? "" : "; did you mean --" + nearest + "?");
   }
   if (extras.empty() || !subcommands.empty())
     return fmt::format("unexpected argument '{}'", extras.empty() ? "" : extras.front());
   std::vector<std::string> commands;
   for (const auto* command : app.get_subcommands({})) commands.push_back(command->get_name());
-  return fmt::format("unknown command '{}'; did you mean {}?", extras.front(),
-                     flies::nearest_name(extras.front(), commands));
+  return fmt::format("unknown command '{}'{}", extras.front(), flies::did_you_mean(extras.front(), commands, ""));
 }
 
 /// @param complaint of CLI11, which starts with the option's name and a colon

@@ -127,8 +127,9 @@ std::string unexpected(const CLI::App& app) {
     return fmt::format("unexpected argument '{}'", extras.empty() ? "" : extras.front());
   std::vector<std::string> known;
   for (const auto* option : app.get_options())
-    for (const auto& name : option->get_lnames()) known.push_back("--" + name);
-  return fmt::format("unknown option {}; did you mean {}?", extras.front(), flies::nearest_name(extras.front(), known));
+    for (const auto& name : option->get_lnames()) known.push_back(name);
+  const std::string nearest = flies::nearest_name(extras.front().substr(2), known);
+  return fmt::format("unknown option {}{}", extras.front(), nearest.empty() ? "" : "; did you mean --" + nearest + "?");
 }
 
 int run(int argc, char** argv) {

@@ -7,16 +7,17 @@
 #include <vector>
 
 #include "run_flies.hpp"
-#include "street_pair.hpp"
 
 namespace flies::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using Words = std::vector<std::string>;
 
 /// Every command with every option that takes a value, as the helps list them.
 std::vector<std::pair<std::string, std::string>> options_with_values(const TestFolder& folder) {
-  const std::regex option(R"(^  (?:-\w,)?(--[\w.-]+)[\w,.-]* (?:FILE|DIR|PNG|MODEL|NAME|PATTERN|HOW|HZ|MS?\b|N\b|TEXT))");
+  const std::regex option(
+      R"(^  (?:-\w,)?(--[\w.-]+)[\w,.-]* (?:FILE|DIR|PNG|MODEL|NAME|PATTERN|HOW|HZ|MS?\b|N\b|TEXT))");
   std::vector<std::pair<std::string, std::string>> found;
   for (const char* command : {"detect", "track", "live", "check", "calib", "calibrate", "synth", "evaluate",
                               "evaluate-classifier", "train", "reproduce", "bench", "config"}) {
@@ -48,6 +49,15 @@ TEST(CommandLine, SaysWhatAnEmptyValueShouldHaveBeen) {
   EXPECT_THAT(complaint({"train", "--work", ""}), HasSubstr("--work: is empty, expected the name of a folder"));
   EXPECT_THAT(complaint({"detect", "", "r"}), HasSubstr("LEFT: is empty, expected a value"));
   EXPECT_THAT(complaint({"track", "--json=", "drive"}), HasSubstr("--json: is empty"));
+}
+
+TEST(CommandLine, NamesTheNearestOptionOnlyWhereOneIsNear) {
+  const TestFolder folder;
+  const auto complaint = [&](const Words& words) { return run_flies(folder.path(), words).err; };
+  EXPECT_THAT(complaint({"config", "--evolve.flis", "3"}), HasSubstr("--evolve.flis; did you mean --evolve.flies?"));
+  for (const char* far : {"--nope", "--plot-it-all"})
+    EXPECT_THAT(complaint({"config", far, "3"}), HasSubstr("unknown option " + std::string(far) + "; try")) << far;
+  EXPECT_THAT(complaint({"paint"}), HasSubstr("unknown command 'paint'; try"));
 }
 
 TEST(CommandLine, RefusesNumbersThatAreNoneOrEndless) {

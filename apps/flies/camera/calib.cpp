@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/name_hint.hpp"
 #include "flies/core/options.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/io/calibration.hpp"
@@ -161,9 +162,9 @@ flies::CalibrationSyntax syntax_of(const std::string& name) {
     if (name == known) return syntax;
     names.emplace_back(known);
   }
-  throw flies::InputError("--write", name,
-                          fmt::format("unknown format, allowed: {}; did you mean '{}'?", fmt::join(names, ", "),
-                                      flies::nearest_name(name, names)));
+  throw flies::InputError(
+      "--write", name,
+      fmt::format("unknown format, allowed: {}{}", fmt::join(names, ", "), flies::did_you_mean(name, names)));
 }
 
 /// "rig/left.yaml" -> "rig/right.yaml"

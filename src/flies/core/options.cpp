@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "flies/core/error.hpp"
+#include "flies/core/name_hint.hpp"
 
 namespace flies {
 namespace {
@@ -43,9 +44,15 @@ Number parse_number(std::string_view text, Range range, const char* kind, const 
 
 std::string nearest_name(std::string_view name, std::span<const std::string> known) {
   if (known.empty()) return {};
-  return *std::min_element(known.begin(), known.end(), [&](const std::string& a, const std::string& b) {
+  const auto nearest = *std::min_element(known.begin(), known.end(), [&](const std::string& a, const std::string& b) {
     return edit_distance(name, a) < edit_distance(name, b);
   });
+  return 2 * edit_distance(name, nearest) <= std::max(name.size(), nearest.size()) ? nearest : std::string();
+}
+
+std::string did_you_mean(std::string_view name, std::span<const std::string> known, std::string_view quote) {
+  const std::string nearest = nearest_name(name, known);
+  return nearest.empty() ? std::string() : fmt::format("; did you mean {}{}{}?", quote, nearest, quote);
 }
 
 namespace detail {
@@ -96,8 +103,10 @@ void throw_unknown_option(std::string_view path, std::span<const std::string> kn
   for (const auto& name : known)
     if (name.starts_with(group))
       throw InputError(source, std::string(path), fmt::format("a group of options, not one; '{}' is in it", name));
-  throw InputError(source, std::string(path),
-                   fmt::format("unknown option; the nearest known one is '{}'", nearest_name(path, known)));
+  const std::string nearest = nearest_name(path, known);
+  throw InputError(
+      source, std::string(path),
+      nearest.empty() ? "unknown option" : fmt::format("unknown option; the nearest known one is '{}'", nearest));
 }
 
 }  // namespace detail

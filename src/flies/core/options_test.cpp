@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "flies/core/error.hpp"
+#include "flies/core/name_hint.hpp"
 
 namespace flies {
 enum class Colour { red, green };
@@ -103,6 +104,15 @@ INSTANTIATE_TEST_SUITE_P(BadInput, SetOptionBad,
                                          BadOption{"inner.colour", "blue", "red|green"},
                                          BadOption{"inner.shar", "0.1", "the nearest known one is 'inner.share'"},
                                          BadOption{"inner", "1", "a group of options"}));
+
+TEST(NearestName, IsNoneWhereNothingIsNear) {
+  const std::vector<std::string> known = {"seed", "threads", "evolve.flies", "fitness.noise_gray"};
+  EXPECT_EQ(nearest_name("evolve.flis", known), "evolve.flies");
+  EXPECT_EQ(nearest_name("noise_gray", known), "fitness.noise_gray");
+  for (const char* far : {"nope", "preset", "model", "x"}) EXPECT_EQ(nearest_name(far, known), "") << far;
+  EXPECT_EQ(did_you_mean("sed", known), "; did you mean 'seed'?");
+  EXPECT_EQ(did_you_mean("nope", known), "");
+}
 
 TEST(CheckOptions, FindsAValueSetOutOfRangeInCode) {
   Outer options;

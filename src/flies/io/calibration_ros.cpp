@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/name_hint.hpp"
 #include "flies/core/options.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 #include "flies/io/formats/second_file.hpp"
@@ -24,8 +25,7 @@ const std::vector<std::string> kPlainKeys = {"fx_px",    "fy_px",      "cx_px", 
 Calibration read_plain(const NumberTable& table, const CalibrationRequest& request) {
   for (const auto& [key, entry] : table.entries)
     if (std::find(kPlainKeys.begin(), kPlainKeys.end(), key) == kPlainKeys.end())
-      throw InputError(table.source, key,
-                       fmt::format("unknown key; did you mean '{}'?", nearest_name(key, kPlainKeys)));
+      throw InputError(table.source, key, "unknown key" + did_you_mean(key, kPlainKeys));
   const auto number_or = [&](const char* key, double otherwise) {
     return table.has(key) ? table.require_number(key) : otherwise;
   };

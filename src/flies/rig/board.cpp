@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/name_hint.hpp"
 #include "flies/core/options.hpp"
 
 namespace flies {
@@ -52,9 +53,8 @@ void check_board(const Board& board) {
                                  board.square_m, board.kind == BoardKind::charuco ? "a square" : "a tag"));
   const auto& names = marker_dictionaries();
   if (std::find(names.begin(), names.end(), board.dictionary) == names.end())
-    throw InputError(
-        "board", "dictionary",
-        fmt::format("found '{}', did you mean '{}'?", board.dictionary, nearest_name(board.dictionary, names)));
+    throw InputError("board", "dictionary",
+                     fmt::format("found '{}', unknown{}", board.dictionary, did_you_mean(board.dictionary, names)));
 }
 
 BoardPair matched_boards(const Board& board, const std::string& name, SeenBoard left, SeenBoard right) {
