@@ -285,6 +285,16 @@ std::vector<BadInput> bad_inputs() {
        },
        {"RIGHT"}},
       {"UnknownSubcommand", [](const fs::path&) { return Words{"detct"}; }, {"detct"}},
+      {"CurvesOfAnotherFormat",
+       [](const fs::path&) {
+         return Words{"evaluate", "l", "--plot", "curves.txt"};
+       },
+       {"curves.txt", "--plot", ".png"}},
+      {"PictureOfRowsOfAnotherFormat",
+       [](const fs::path&) {
+         return Words{"check", "left.png", "right.png", "--calib", "calib.txt", "--picture", "rows.jpg"};
+       },
+       {"rows.jpg", "--picture", ".png"}},
   };
 }
 

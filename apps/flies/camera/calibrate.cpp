@@ -21,6 +21,7 @@
 #include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/image_watch.hpp"
+#include "shared/named_output.hpp"
 #include "shared/output_claims.hpp"
 #include "shared/pair_arguments.hpp"
 #include "shared/progress_bar.hpp"
@@ -238,6 +239,7 @@ void check_outputs(const CalibrateArguments& arguments, const std::vector<flies:
   claims.reads(arguments.images.right);
   claims.reads(paths);
   claims.writes(arguments.output, "--output");
+  require_named_output(arguments.picture, "--picture", ".png");
   claims.writes(arguments.picture, "--picture");
   claims.writes(arguments.json, "--json");
 }

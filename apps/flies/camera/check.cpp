@@ -27,6 +27,7 @@
 #include "shared/camera_arguments.hpp"
 #include "shared/commands.hpp"
 #include "shared/method_arguments.hpp"
+#include "shared/named_output.hpp"
 #include "shared/notes.hpp"
 #include "shared/output_claims.hpp"
 #include "shared/run_diagnosis.hpp"
@@ -109,6 +110,7 @@ void check_picture(const CheckArguments& arguments, const std::vector<flies::Pai
   OutputClaims claims;
   claims.reads(pairs);
   claims.reads_calibration(arguments.calib, arguments.camera.right_calib);
+  require_named_output(arguments.picture, "--picture", ".png");
   claims.writes(arguments.picture, "--picture");
 }
 

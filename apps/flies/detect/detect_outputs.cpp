@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "flies/core/error.hpp"
+#include "shared/named_output.hpp"
 
 namespace fs = std::filesystem;
 
@@ -38,10 +38,7 @@ void check_outputs(const DetectOutputs& outputs, const std::vector<flies::PairPa
                                 std::pair(outputs.concentrating, "--concentrating")};
   for (const auto& [path, option] : per_frame) {
     if (path.empty()) continue;
-    if (path == "-") throw flies::InputError("command line", option, "cannot go to standard output");
-    const std::string wanted = std::string_view(option) == "--ply" ? ".ply" : ".png";
-    if (std::filesystem::path(path).extension() != wanted && !path.starts_with("/dev/"))
-      throw flies::InputError(path, option, fmt::format("expected a name that ends in {}", wanted));
+    require_named_output(path, option, std::string_view(option) == "--ply" ? ".ply" : ".png");
     for (const auto& pair : pairs) claims.writes(path_of_frame(path, file_stem(pair.left), pairs.size() == 1), option);
   }
 }

@@ -28,6 +28,7 @@
 #include "shared/commands.hpp"
 #include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
+#include "shared/named_output.hpp"
 #include "shared/notes.hpp"
 #include "shared/output_claims.hpp"
 #include "shared/progress_bar.hpp"
@@ -196,6 +197,8 @@ OutputClaims check_outputs(const EvaluateArguments& arguments) {
   for (const auto& name : arguments.yardsticks)
     if (name.starts_with(kNetwork)) claims.reads_model(name.substr(kNetwork.size()));
   claims.writes(arguments.json, "--json");
+  require_named_output(arguments.plot, "--plot", ".png");
+  require_named_output(arguments.scan_plot, "--scan-plot", ".png");
   claims.writes(arguments.plot, "--plot");
   claims.writes(arguments.scan_plot, "--scan-plot");
   return claims;

@@ -20,6 +20,7 @@
 #include "shared/command_line.hpp"
 #include "shared/commands.hpp"
 #include "shared/listed_options.hpp"
+#include "shared/named_output.hpp"
 #include "shared/output_claims.hpp"
 #include "shared/progress_bar.hpp"
 #include "shared/standard_output.hpp"
@@ -72,6 +73,7 @@ OutputClaims check_outputs(const ClassifierArguments& arguments) {
   for (const auto& model : arguments.models) claims.reads_model(model);
   claims.writes(arguments.json, "--json");
   claims.writes(arguments.html, "--html");
+  require_named_output(arguments.plot, "--plot", ".png");
   claims.writes(arguments.plot, "--plot");
   return claims;
 }
