@@ -227,6 +227,7 @@ TEST_F(LiveCommand, FaultsAreToldInOneLine) {
       {{"beside.avi", "--calib", "calib.txt", "--pairs", "0"}, "--pairs"},
       {{"beside.avi", "--calib", "calib.txt", "--json", "no/such/folder.jsonl"},
        "no/such/folder.jsonl: cannot be written"},
+      {{"beside.avi", "--calib", "calib.txt", "--record", "-"}, "--record: cannot go to standard output"},
       {{"beside.avi", "--calib", "calib.txt", "--record", "beside.avi"}, "--record: this file is already an input"},
       {{"beside.avi", "--calib", "calib.txt", "--json", "f", "--record", "f"}, "f: --record: this file is already"},
       {{"left", "beside.avi", "--calib", "calib.txt"}, "beside.avi"},

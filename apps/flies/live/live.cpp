@@ -13,6 +13,7 @@
 #include "channels/queued_sink.hpp"
 #include "flies/core/error.hpp"
 #include "flies/io/folder.hpp"
+#include "flies/web/open_address.hpp"
 #include "live/film_sink.hpp"
 #include "live/live_outputs.hpp"
 #include "live/live_run.hpp"
@@ -23,6 +24,7 @@
 #include "shared/end_on_signal.hpp"
 #include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
+#include "shared/named_output.hpp"
 #include "shared/notes.hpp"
 #include "shared/output_claims.hpp"
 #include "shared/pair_arguments.hpp"
@@ -126,6 +128,7 @@ OutputClaims check_outputs(const LiveArguments& arguments) {
   claims.reads_method(arguments.method);
   claims.reads_calibration(arguments.calib, arguments.camera.right_calib);
   claims.writes_in_place(arguments.json, "--json");
+  require_named_output(arguments.record, "--record");
   claims.writes_in_place(arguments.record, "--record");
   claims.writes(arguments.video, "--video");
   return claims;
@@ -192,7 +195,7 @@ class Outputs {
     sinks_.insert(sinks_.begin(),
                   &foxglove_queue_.emplace(*foxglove_, kMostForFoxglove, QueuedSink::Haste::is_awaited));
     sinks_.push_back(&picture_queue_.emplace(foxglove_->pictures(), kMostForFoxglove, QueuedSink::Haste::can_wait));
-    std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", address.c_str(), foxglove_->port());
+    std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", flies::open_address(address).c_str(), foxglove_->port());
   }
   void add_record(const std::string& path) {
     record_.emplace(path);

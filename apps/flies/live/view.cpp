@@ -9,6 +9,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/quantile.hpp"
+#include "flies/web/open_address.hpp"
 #include "live/live_outputs.hpp"
 #include "live/view_files.hpp"
 #include "live/view_state.hpp"
@@ -84,8 +85,9 @@ void View::release() {
 }
 
 std::string View::address() const {
-  const bool is_v6 = request_.address.find(':') != std::string::npos;
-  return fmt::format("http://{}{}{}:{}/{}{}", is_v6 ? "[" : "", request_.address, is_v6 ? "]" : "", request_.port,
+  const std::string host = flies::open_address(request_.address);
+  const bool is_v6 = host.find(':') != std::string::npos;
+  return fmt::format("http://{}{}{}:{}/{}{}", is_v6 ? "[" : "", host, is_v6 ? "]" : "", request_.port,
                      token_.empty() ? "" : "?token=", token_);
 }
 
@@ -216,7 +218,8 @@ flies::WebAnswer View::report(const flies::WebRequest& request) {
 flies::WebAnswer View::order(const flies::WebRequest& request) {
   const Json body = Json::parse(request.body, nullptr, false);
   const auto text = [&](const char* key) {
-    return body.is_object() && body.contains(key) && body[key].is_string() ? body[key].get<std::string>() : "";
+    if (!body.is_object() || !body.contains(key)) return std::string();
+    return body[key].is_string() ? body[key].get<std::string>() : body[key].dump();
   };
   const std::lock_guard lock(mutex_);
   if (run_ == nullptr) return fault(409, "The run has ended.");

@@ -60,7 +60,7 @@ std::optional<WebAnswer> Access::refuse(const WebRequest& request) const {
       return WebAnswer{.status = 403,
                        .body = "The address of this page has a token, which flies printed at its start.\n"};
   }
-  if (request.method != "GET" && request.page_header.empty())
+  if (request.method != "GET" && request.method != "HEAD" && request.page_header.empty())
     return WebAnswer{.status = 403, .body = "Orders come from the page only.\n"};
   return std::nullopt;
 }

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "flies/web/open_address.hpp"
+
 namespace flies {
 namespace {
 
@@ -24,6 +26,12 @@ TEST(Access, OtherSitesCannotReachThePageOfThisMachine) {
   EXPECT_FALSE(access.refuse(request_with("localhost:8090")));
   for (const char* host : {"", "evil.example:8090", "127.0.0.1:80", "127.0.0.1.evil.example:8090"})
     EXPECT_EQ(access.refuse(request_with(host))->status, 403) << host;
+}
+
+TEST(Access, WhoMaySeeAPageMayAskForItsHeadToo) {
+  const Access access("127.0.0.1", kPort, "");
+  EXPECT_FALSE(access.refuse(request_with("127.0.0.1:8090", "HEAD")));
+  EXPECT_EQ(access.refuse(request_with("127.0.0.1:8090", "PUT"))->status, 403);
 }
 
 TEST(Access, OrdersCarryTheHeaderOfThePage) {
@@ -54,6 +62,15 @@ TEST(Access, TokenIsAskedForInAddressOrCookie) {
 TEST(Access, TokensDiffer) {
   EXPECT_EQ(random_token().size(), 32U);
   EXPECT_NE(random_token(), random_token());
+}
+
+TEST(Access, AllAddressesAreOpenedAtOneOfThem) {
+  for (const std::string all : {"0.0.0.0", "::"}) {
+    const std::string one = open_address(all);
+    EXPECT_NE(one, all);
+    EXPECT_EQ(one.find(':') != std::string::npos, all == "::") << one;
+  }
+  for (const char* one : {"127.0.0.1", "::1", "192.0.2.1", "localhost"}) EXPECT_EQ(open_address(one), one);
 }
 
 TEST(Access, LoopbackIsKnown) {

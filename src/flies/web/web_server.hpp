@@ -9,7 +9,7 @@ namespace flies {
 
 /// What a browser asks for.
 struct WebRequest {
-  std::string method;                             ///< "GET" or "POST"
+  std::string method;                             ///< "GET", "HEAD" or "POST"
   std::string path;                               ///< "/page.js"
   std::map<std::string, std::string> parameters;  ///< of the address, after the question mark
   std::string body;
