@@ -154,6 +154,18 @@ TEST_F(TrackCommand, TellsThatTimesOverruleTheRate) {
   EXPECT_THAT(both.err, HasSubstr("times are those in times.txt (--times), instead of 20 pairs a second (--rate)"));
 }
 
+TEST_F(TrackCommand, DoubtsTimesBetweenWhichNothingCanBeFollowed) {
+  const auto notes = [&](const char* times) {
+    write_text(folder.path() / "times.txt", times);
+    return run({"--calib", "calib.txt", "--times", "times.txt", "--json", "t.jsonl"}).err;
+  };
+  EXPECT_THAT(notes("0\n100\n200\n"), HasSubstr("times.txt: pairs are 100 s apart or more, too far to follow anything: "
+                                                "are these milliseconds? expected seconds"));
+  EXPECT_THAT(notes("0\n100000\n200000\n"), HasSubstr("are these microseconds?"));
+  for (const char* good : {"0\n0.1\n0.2\n", "0\n4\n8\n", "0\n0.1\n100\n"})
+    EXPECT_THAT(notes(good), ::testing::Not(HasSubstr("apart"))) << good;
+}
+
 TEST_F(TrackCommand, RefusesTopicsOfImages) {
   const RunResult result = run({"--calib", "calib.txt", "--rate", "20", "--topics", "a,b", "--json", "t.jsonl"});
   EXPECT_EQ(result.status, 2);

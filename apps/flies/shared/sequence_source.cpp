@@ -107,6 +107,22 @@ std::vector<double> times_of(const std::string& file, const std::vector<flies::P
   return chosen_s;
 }
 
+/// Tells of times between which nothing can be followed, from the first pair to the last.
+void doubt_slow_times(const std::string& file, const std::vector<double>& times_s, std::vector<std::string>& notes) {
+  constexpr double kLeast_s = 5.0;
+  if (times_s.size() < 2) return;
+  double shortest_s = times_s[1] - times_s[0];
+  for (std::size_t i = 2; i < times_s.size(); ++i) shortest_s = std::min(shortest_s, times_s[i] - times_s[i - 1]);
+  if (shortest_s < kLeast_s) return;
+  const char* unit = shortest_s < 1e3 * kLeast_s   ? "milliseconds"
+                     : shortest_s < 1e6 * kLeast_s ? "microseconds"
+                                                   : "nanoseconds";
+  notes.push_back(
+      fmt::format("{}: pairs are {:.4g} s apart or more, too far to follow anything: are these {}? "
+                  "expected seconds",
+                  file, shortest_s, unit));
+}
+
 /// Times in the names of the pairs, seconds since the first; nothing when they have none, or do not ascend.
 std::optional<std::vector<double>> named_times(const std::vector<flies::PairPaths>& pairs) {
   auto times_s = flies::times_in_names(left_images(pairs));
@@ -214,6 +230,7 @@ SequenceSource open_sequence(const SequenceRequest& request) {
 
   if (!request.times.empty()) {
     source.times_s = times_of(request.times, source.pairs, source.notes);
+    doubt_slow_times(request.times, source.times_s, source.notes);
     if (request.rate_hz)
       source.notes.push_back(fmt::format("times are those in {} (--times), instead of {:.4g} pairs a second (--rate)",
                                          request.times, *request.rate_hz));
@@ -226,6 +243,7 @@ SequenceSource open_sequence(const SequenceRequest& request) {
     // has its own
   } else if (!own_times.empty()) {
     source.times_s = times_of(own_times, source.pairs, source.notes);
+    doubt_slow_times(own_times, source.times_s, source.notes);
   } else if (auto times_s = named_times(source.pairs)) {
     source.times_s = std::move(*times_s);
     source.notes.push_back(
