@@ -143,6 +143,7 @@ INSTANTIATE_TEST_SUITE_P(BadInput, CheckCamera,
                                                      c.width_px = c.height_px = 0;
                                                      c.cx_right_px = 1e9;
                                                    }},
+                                         BadCamera{"cx_right_px", [](StereoCamera& c) { c.cx_right_px = 0; }},
                                          BadCamera{"image size", [](StereoCamera& c) { c.width_px = 0; }},
                                          BadCamera{"image size", [](StereoCamera& c) { c.height_px = 0; }},
                                          BadCamera{"pitch_deg",

@@ -41,6 +41,10 @@ void check_camera(const StereoCamera& camera, const std::string& source) {
                                  camera.height_px));
   require_within(camera.cx_px, -kMostSize_px, kMostSize_px, "cx_px (principal point)");
   require_within(camera.cx_right_px, -kMostSize_px, kMostSize_px, "cx_right_px (principal point of the right image)");
+  if (camera.cx_right_px == 0.0 && std::abs(camera.cx_px) > 1.0)
+    throw InputError(
+        source, "cx_right_px (principal point of the right image)",
+        fmt::format("found 0, as it is when it was not set; it is usually the same as cx_px, {:.6g}", camera.cx_px));
   require_within(camera.cy_px, -kMostSize_px, kMostSize_px, "cy_px (principal point)");
   require_within(camera.baseline_m, kLeastBaseline_m, kMostBaseline_m, "baseline_m",
                  camera.baseline_m < 0.0 ? " (a negative baseline means that left and right are swapped)" : "");
