@@ -14,10 +14,10 @@ namespace {
 using ::testing::HasSubstr;
 using Words = std::vector<std::string>;
 
-/// Every command with every option that takes a value, as the helps list them.
+/// Every command with every option of its own that takes a value, as the helps list them; those of the method, with
+/// dots in their names, are all made alike.
 std::vector<std::pair<std::string, std::string>> options_with_values(const TestFolder& folder) {
-  const std::regex option(
-      R"(^  (?:-\w,)?(--[\w.-]+)[\w,.-]* (?:FILE|DIR|PNG|MODEL|NAME|PATTERN|HOW|HZ|MS?\b|N\b|TEXT))");
+  const std::regex option(R"(^  (?:-\w,)?(--[\w-]+)[\w,-]* (?:FILE|DIR|PNG|MODEL|NAME|PATTERN|HOW|HZ|MS?\b|N\b|TEXT))");
   std::vector<std::pair<std::string, std::string>> found;
   for (const char* command : {"detect", "track", "live", "check", "calib", "calibrate", "synth", "evaluate",
                               "evaluate-classifier", "train", "reproduce", "bench", "config"}) {
@@ -30,7 +30,7 @@ std::vector<std::pair<std::string, std::string>> options_with_values(const TestF
 TEST(CommandLine, RefusesAnEmptyValueOfAnyOption) {
   const TestFolder folder;
   const auto options = options_with_values(folder);
-  EXPECT_GT(options.size(), 100u) << "the helps could not be read";
+  EXPECT_GT(options.size(), 90u) << "the helps could not be read";
 
   for (const auto& [command, option] : options) {
     const RunResult result = run_flies(folder.path(), {command, option, ""});

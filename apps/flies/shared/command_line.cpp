@@ -44,11 +44,14 @@ void check_values_of(CLI::App& command) {
   for (CLI::Option* option : command.get_options()) {
     if (option->get_items_expected_max() == 0) continue;
     const bool may_be_empty = option->get_items_expected_min() == 0;
-    option->check([&command, option, may_be_empty](const std::string& value) {
-      if (value.empty()) return may_be_empty ? std::string() : "is empty, expected " + expectation(*option);
-      const auto* other = value.starts_with("--") ? command.get_option_no_throw(value) : nullptr;
-      return other == nullptr ? std::string() : "expects a value, found the option " + value;
-    });
+    // A transformation comes before all checks, whose complaints of an empty value say less.
+    option->transform(CLI::Validator(
+        [&command, option, may_be_empty](const std::string& value) {
+          if (value.empty()) return may_be_empty ? std::string() : "is empty, expected " + expectation(*option);
+          const auto* other = value.starts_with("--") ? command.get_option_no_throw(value) : nullptr;
+          return other == nullptr ? std::string() : "expects a value, found the option " + value;
+        },
+        ""));
   }
 }
 
