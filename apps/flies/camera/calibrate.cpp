@@ -239,8 +239,8 @@ void check_outputs(const CalibrateArguments& arguments, const std::vector<flies:
   claims.reads(arguments.images.right);
   claims.reads(paths);
   claims.writes(arguments.output, "--output");
-  require_named_output(arguments.picture, "--picture", ".png");
   claims.writes(arguments.picture, "--picture");
+  require_named_output(arguments.picture, "--picture", ".png");
   claims.writes(arguments.json, "--json");
 }
 
