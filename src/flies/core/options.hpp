@@ -200,7 +200,7 @@ void check_options(const Options& options, std::string_view source_name) {
   for (const auto& listing : list_options(options)) set_option(copy, listing.path, listing.value, source);
 }
 
-/// The name among `known` that is fewest edits away from `name`.
+/// The name among `known` that is fewest edits away from `name`; empty where none is near.
 std::string nearest_name(std::string_view name, std::span<const std::string> known);
 
 }  // namespace flies

@@ -23,7 +23,7 @@ struct StereoCamera {
   double fx_px = 0.0;
   double fy_px = 0.0;
   double cx_px = 0.0;        ///< principal point of the left image
-  double cx_right_px = 0.0;  ///< principal point of the right image; differs from `cx_px` in some data sets
+  double cx_right_px = 0.0;  ///< principal point of the right image, mostly the same as `cx_px`; 0 is refused
   double cy_px = 0.0;        ///< shared by both images
   double baseline_m = 0.0;   ///< > 0, the right camera lies to the right of the left one
   int width_px = 0;          ///< of the images this calibration belongs to; 0 when the file does not say

@@ -81,7 +81,7 @@ std::shared_ptr<const PeopleClassifier> preset_classifier(Preset preset);
 /// @param camera with its image size and its mount; what depends on a size that is not known stays
 DetectorOptions fitted_options(const StereoCamera& camera, DetectorOptions options);
 
-/// @throws InputError naming `source`, the option `--preset` and the known names
+/// @throws InputError naming `source`, the option `preset` and the known names
 Preset preset_named(std::string_view name, const std::string& source);
 
 /// Checks every option against its range and those that depend on each other.
