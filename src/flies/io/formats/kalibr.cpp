@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/nesting.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
 namespace flies::detail {
@@ -62,17 +63,8 @@ std::optional<std::string> prefix_of(const NumberTable& table) {
   return std::nullopt;
 }
 
-/// The same without that.
-NumberTable unnested(const NumberTable& table) {
-  const std::string prefix = prefix_of(table).value_or("");
-  NumberTable inner{table.source, {}};
-  for (const auto& [key, entry] : table.entries)
-    if (key.starts_with(prefix)) inner.entries.emplace(key.substr(prefix.size()), entry);
-  return inner;
-}
-
 Calibration read_kalibr(const NumberTable& file, const CalibrationRequest& request) {
-  const NumberTable table = unnested(file);
+  const NumberTable table = below(file, prefix_of(file).value_or(""));
   const auto cameras = request.cameras.value_or(std::array{0, 1});
   const std::string left = name_of(cameras[0]), right = name_of(cameras[1]);
   RawPair pair{{}, left, right, right + ".T_cn_cnm1"};
