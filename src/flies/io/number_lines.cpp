@@ -126,6 +126,49 @@ bool has_sections(const std::vector<std::string>& lines) {
                      [](const std::string& line) { return line.find('=') != std::string::npos; });
 }
 
+/// What is assigned in a line of MATLAB, of a shell or of TOML: `name = numbers`, without the comment behind it.
+std::optional<std::string> assignment(const std::string& line) {
+  const auto at = line.find('=');
+  if (at == std::string::npos) return std::nullopt;
+  const std::string name = trimmed(std::string_view(line).substr(0, at));
+  const auto is_of_a_name = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '.'; };
+  if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) || !std::ranges::all_of(name, is_of_a_name))
+    return std::nullopt;
+  return line.substr(0, line.find('%'));
+}
+
+/// Lines of assignments, and rows of numbers that go on with the one above.
+std::vector<std::string> assignments(const std::vector<std::string>& lines) {
+  std::vector<std::string> found;
+  int count = 0;
+  for (const auto& line : lines) {
+    const auto one = assignment(line);
+    if (!one && !bare_numbers(line)) return {};
+    found.push_back(one.value_or(line));
+    count += one.has_value();
+  }
+  return count > 1 ? found : std::vector<std::string>();
+}
+
+/// A table of one row below the names of its columns: `fx,fy,cx,cy` and then their numbers.
+bool parse_row_below_names(const std::vector<std::string>& lines, NumberTable& table) {
+  if (lines.size() != 2) return false;
+  std::vector<std::string> names;
+  std::istringstream heads(lines[0]);
+  for (std::string name; std::getline(heads, name, ',');) names.push_back(trimmed(name));
+  const auto is_name = [](const std::string& name) {
+    return !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) &&
+           std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+  };
+  const auto row = bare_numbers(lines[1]);
+  if (names.size() < 2 || !row || row->size() != names.size() || !std::ranges::all_of(names, is_name)) return false;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (table.has(names[i])) throw InputError(table.source, names[i], "stands in the file twice");
+    table.entries[names[i]].numbers = {(*row)[i]};
+  }
+  return true;
+}
+
 /// What ROS's camera calibrator writes as `ost.txt` and `.ini`: names and their numbers on lines of their own, the
 /// parts of two cameras one after the other, each from `[image]` on. They get the names of its YAML.
 bool parse_ost(const std::vector<std::string>& lines, NumberTable& table) {
@@ -208,13 +251,17 @@ void append_words(NumberEntry& entry, std::string text) {
 
 bool parse_lines_of_numbers(const std::string& text, NumberTable& table) {
   const auto lines = lines_of(text);
-  if (parse_ost(lines, table) || parse_virtual_kitti(lines, table)) return true;
+  if (parse_ost(lines, table) || parse_virtual_kitti(lines, table) || parse_row_below_names(lines, table)) return true;
   if (is_middlebury(lines) || has_sections(lines)) {
     parse_keyed_lines(lines, '=', table);
     return true;
   }
   if (is_kitti(lines)) {
     parse_keyed_lines(lines, ':', table);
+    return true;
+  }
+  if (const auto found = assignments(lines); !found.empty()) {
+    parse_keyed_lines(found, '=', table);
     return true;
   }
   return parse_bare_rows(lines, table);
