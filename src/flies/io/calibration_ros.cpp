@@ -12,6 +12,7 @@
 #include "flies/core/error.hpp"
 #include "flies/core/name_hint.hpp"
 #include "flies/core/options.hpp"
+#include "flies/io/formats/quantities.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 #include "flies/io/formats/second_file.hpp"
 
@@ -280,7 +281,7 @@ const CalibrationFormat kPlainYaml{
       const bool has_matrices = std::ranges::any_of(
           table.entries, [](const auto& key_and_entry) { return key_and_entry.second.numbers.size() > 1; });
       return table.has("fx_px") ||
-             (!has_matrices && !table.has("fx") && (table.has("baseline_m") || table.has("cx_px")));
+             (!has_matrices && !has_camera(table) && (table.has("baseline_m") || table.has("cx_px")));
     },
     read_plain};
 

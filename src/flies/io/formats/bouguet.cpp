@@ -1,5 +1,5 @@
-// Bouguet's Camera Calibration Toolbox for MATLAB: fc_left, cc_left, kc_left, ..., om and T, as text (name = [ ... ];) or
-// under the same names in YAML or JSON. om and T take points of the left camera into the frame of the right one.
+// Bouguet's Camera Calibration Toolbox for MATLAB: fc_left, cc_left, kc_left, ..., om and T, as text (name = [ ... ];)
+// or under the same names in YAML or JSON. om and T take points of the left camera into the frame of the right one.
 #include <cmath>
 #include <string>
 #include <utility>
@@ -37,8 +37,8 @@ Calibration read_bouguet(const NumberTable& table, const CalibrationRequest& req
   pair.stereo.left = read_camera(table, "left");
   pair.stereo.right = read_camera(table, "right");
   const auto& t = table.require("T", 3);
-  set_pose(pair.stereo, scaled({rotation_of(table, pair.pose_key, pair.notes), {t[0], t[1], t[2]}},
-                               metres_per_unit(t, pair.notes)));
+  set_pose(pair.stereo,
+           scaled({rotation_of(table, pair.pose_key, pair.notes), {t[0], t[1], t[2]}}, metres_per_unit(t, pair.notes)));
   if (table.has("nx") || table.has("ny")) {
     pair.stereo.width_px = table.require_size("nx");
     pair.stereo.height_px = table.require_size("ny");

@@ -58,11 +58,10 @@ TEST(DepthAi, CamerasMayStandInAListInAMapOrNameTheirSocket) {
   const TemporaryFolder folder;
   Oak oak;
   const std::string left = oak.left(), right = oak.right();
-  for (const std::string& text :
-       {oak.file(), "{\"cameraData\": {\"1\": {" + left + "}, \"2\": {" + right + "}}}",
-        "{\"cameraData\": {\"CAM_B\": {" + left + "}, \"CAM_C\": {" + right + "}}}",
-        "{\"cameraData\": [{\"socket\": 2, " + right + "}, {\"socket\": 1, " + left + "}]}",
-        "{\"eeprom\": " + oak.file() + ", \"mxid\": \"x\"}"})
+  for (const std::string& text : {oak.file(), "{\"cameraData\": {\"1\": {" + left + "}, \"2\": {" + right + "}}}",
+                                  "{\"cameraData\": {\"CAM_B\": {" + left + "}, \"CAM_C\": {" + right + "}}}",
+                                  "{\"cameraData\": [{\"socket\": 2, " + right + "}, {\"socket\": 1, " + left + "}]}",
+                                  "{\"eeprom\": " + oak.file() + ", \"mxid\": \"x\"}"})
     expect_rectifies(load_calibration(folder.write("c", text)), oak.rig);
   oak.to_right = "\"CameraBoardSocket.CAM_C\"";
   expect_rectifies(load_calibration(folder.write("c", oak.file())), oak.rig);

@@ -37,10 +37,12 @@ ImageSize size_of(const NumberTable& table, const std::string& left, const std::
 
 /// The baseline stands in the matrix that reprojects disparities, as OpenCV's Q: 1 / q[14].
 Calibration read_rectified(const NumberTable& table, Cameras cameras) {
-  const std::string key = reprojection_key(cameras), left = rectified_key(cameras[0]), right = rectified_key(cameras[1]);
+  const std::string key = reprojection_key(cameras), left = rectified_key(cameras[0]),
+                    right = rectified_key(cameras[1]);
   if (!table.has(key))
-    throw InputError(table.source, key,
-                     "is missing, which rectified images need: --cameras 1,2 are frames, 0,3 events; others only --raw");
+    throw InputError(
+        table.source, key,
+        "is missing, which rectified images need: --cameras 1,2 are frames, 0,3 events; others only --raw");
   const auto& q = table.require(key, 16);
   const auto of_left = matrix_at(table, left), of_right = matrix_at(table, right);
   constexpr double kAlike = 1e-3;
@@ -72,7 +74,8 @@ Calibration read_rectified(const NumberTable& table, Cameras cameras) {
 
 RawCamera raw_camera(const NumberTable& table, const std::string& key) {
   const std::string model = key + ".distortion_model";
-  return {matrix_at(table, key), table.require(key + ".distortion_coeffs"), lens_of(table.word(model), model, table.source)};
+  return {matrix_at(table, key), table.require(key + ".distortion_coeffs"),
+          lens_of(table.word(model), model, table.source)};
 }
 
 /// Along T_10, T_21, T_32.
@@ -91,8 +94,8 @@ Calibration read_raw(const NumberTable& table, Cameras cameras, const Calibratio
   pair.stereo.height_px = size.height_px;
   pair.stereo.left = raw_camera(table, left);
   pair.stereo.right = raw_camera(table, right);
-  set_pose(pair.stereo, chained(from_first(table, cameras[1], pair.notes),
-                                inverse(from_first(table, cameras[0], pair.notes))));
+  set_pose(pair.stereo,
+           chained(from_first(table, cameras[1], pair.notes), inverse(from_first(table, cameras[0], pair.notes))));
   return calibration_from_raw(std::move(pair), request, table.source);
 }
 

@@ -1,77 +1,77 @@
-// Rectified cameras as people write them down by hand: fx, fy, cx, cy, baseline and the size, each under its own key.
+// Rectified cameras as people write them down by hand: one camera, the baseline and the size, under whichever names.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <initializer_list>
 #include <string>
-#include <string_view>
 
 #include "flies/core/error.hpp"
 #include "flies/io/calibration_formats.hpp"
+#include "flies/io/formats/lens_names.hpp"
+#include "flies/io/formats/quantities.hpp"
 
 namespace flies::detail {
 namespace {
 
-using Names = std::initializer_list<const char*>;
-
-constexpr Names kFocal = {"fx", "fx_px", "f", "f_px", "focal", "focal_px", "focal_length", "focal_length_px"};
-constexpr Names kFocalDown = {"fy", "fy_px"};
-constexpr Names kColumn = {"cx", "cx_px", "cx_left", "cx0", "ppx", "u0"};
-constexpr Names kRightColumn = {"cx_right", "cx_right_px", "cx1"};
-constexpr Names kRow = {"cy", "cy_px", "ppy", "v0"};
-constexpr Names kBaseline = {"baseline", "baseline_m", "base_line", "b", "B"};
-constexpr Names kShift = {"Tx", "tx"};  // of OpenCV, where the right camera's is negative
-constexpr Names kWidth = {"width", "width_px", "image_width"};
-constexpr Names kHeight = {"height", "height_px", "image_height"};
-constexpr Names kLens = {
+constexpr std::initializer_list<const char*> kLens = {
     "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "D", "dist", "distortion", "coeffs", "distortion_coefficients"};
 
-/// The name that the table has of these; "" when it has none.
-std::string name_in(const NumberTable& table, Names names) {
-  const auto found = std::ranges::find_if(names, [&](const char* name) { return table.has(name); });
-  return found == names.end() ? "" : *found;
-}
-
-/// @param otherwise the name to miss when there is none
-double number_of(const NumberTable& table, Names names, const char* otherwise) {
-  const std::string name = name_in(table, names);
-  return table.require_number(name.empty() ? otherwise : name);
-}
-
-double baseline_of(const NumberTable& table, const CalibrationRequest& request) {
-  if (const auto name = name_in(table, kBaseline); !name.empty()) return table.require_number(name);
-  if (const auto name = name_in(table, kShift); !name.empty()) return std::abs(table.require_number(name));
-  return missing_baseline(request, table.source, "baseline");
-}
-
 bool has_lens(const NumberTable& table) {
-  return std::ranges::any_of(kLens, [&](const char* name) {
-    const auto found = table.entries.find(name);
-    return found != table.entries.end() &&
-           std::ranges::any_of(found->second.numbers, [](double number) { return number != 0.0; });
+  return std::ranges::any_of(table.entries, [](const auto& item) {
+    const auto& [key, entry] = item;
+    const std::string name = key.substr(key.rfind('.') + 1);
+    return std::ranges::find(kLens, name) != kLens.end() &&
+           std::ranges::any_of(entry.numbers, [](double number) { return number != 0.0; });
   });
+}
+
+/// The model of a lens that a file names and that rectified images do not have.
+std::string word_for_lens(const NumberTable& table) {
+  for (const auto& [key, entry] : table.entries)
+    if (const auto lens = known_lens(table.word(key)); lens && *lens != Lens::brown) return table.word(key);
+  return "";
+}
+
+/// One camera alone, as calibrateCamera leaves it, is half of a calibration.
+[[noreturn]] void throw_one_camera(const std::string& source, const std::string& key) {
+  throw InputError(source, key,
+                   "describes one camera: the other one, and R and T between them, are missing (stereoCalibrate gives "
+                   "all in one go); of rectified images --baseline M will do");
+}
+
+double baseline_of(const NumberTable& table, const FoundCamera& camera, const CalibrationRequest& request) {
+  if (const auto baseline = baseline_in(table, camera.fx_px)) return baseline->value;
+  if (!request.right_path.empty() || (has_lens(table) && !request.baseline_m))
+    throw_one_camera(table.source, camera.key);
+  return missing_baseline(request, table.source, "baseline");
 }
 
 Calibration read_flat(const NumberTable& table, const CalibrationRequest& request) {
   Calibration calibration;
+  const FoundCamera found = camera_in(table, calibration.notes);
   auto& camera = calibration.camera;
-  camera.fx_px = number_of(table, kFocal, "fx");
-  camera.fy_px = name_in(table, kFocalDown).empty() ? camera.fx_px : number_of(table, kFocalDown, "fy");
-  camera.cx_px = number_of(table, kColumn, "cx");
-  camera.cx_right_px = name_in(table, kRightColumn).empty() ? camera.cx_px : number_of(table, kRightColumn, "cx_right");
-  camera.cy_px = number_of(table, kRow, "cy");
-  camera.baseline_m = baseline_of(table, request);
-  const std::string width = name_in(table, kWidth), height = name_in(table, kHeight);
-  if (!width.empty() || !height.empty()) {
-    camera.width_px = table.require_size(width.empty() ? "width" : width);
-    camera.height_px = table.require_size(height.empty() ? "height" : height);
-  }
-  calibration.left_name = calibration.right_name = name_in(table, kFocal);
+  camera.fx_px = found.fx_px;
+  camera.fy_px = found.fy_px;
+  camera.cx_px = found.cx_px;
+  camera.cx_right_px = found.cx_right_px;
+  camera.cy_px = found.cy_px;
+  camera.baseline_m = baseline_of(table, found, request);
+  if (!request.right_path.empty())
+    throw InputError(request.right_path, "right calibration",
+                     fmt::format("is not used: {} says all of a rectified pair in one file", table.source));
+  const auto size = size_in(table);
+  camera.width_px = size.width_px;
+  camera.height_px = size.height_px;
+  calibration.left_name = calibration.right_name = found.key;
   if (has_lens(table))
     calibration.notes.push_back(
         {"the images are taken as rectified, and the coefficients of distortion left out: for raw images both cameras "
          "must be in the file (OpenCV's M1, D1, M2, D2, R, T)"});
+  else if (const auto word = word_for_lens(table); !word.empty())
+    calibration.notes.push_back({fmt::format(
+        "the images are taken as rectified, though the file says '{}': for raw images both cameras must be "
+        "in the file, with their coefficients (OpenCV's M1, D1, M2, D2, R, T)",
+        word)});
   return calibration;
 }
 
@@ -94,10 +94,7 @@ Calibration read_virtual_kitti(const NumberTable& table, const CalibrationReques
 
 }  // namespace
 
-const CalibrationFormat kFlat{
-    "flat fx, fy, cx, cy, baseline", false, false,
-    [](const NumberTable& table) { return !name_in(table, kFocal).empty() && !name_in(table, kColumn).empty(); },
-    read_flat};
+const CalibrationFormat kFlat{"flat fx, fy, cx, cy, baseline", false, true, has_camera, read_flat};
 
 const CalibrationFormat kVirtualKitti{"Virtual KITTI intrinsic.txt", false, false,
                                       [](const NumberTable& table) { return table.has(kVirtualColumns[0]); },

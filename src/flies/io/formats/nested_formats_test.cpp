@@ -61,7 +61,7 @@ TEST(NestedFormats, BothCamerasMayStandBelowOneKey) {
     expect_rectifies(load_calibration(folder.write("c.json", "{\"" + key + "\": " + pair + size)), rig);
     EXPECT_THAT(
         error_of([&] { load_calibration(folder.write("c.json", R"({"a": )" + pair + R"(, "b": )" + pair + size)); }),
-        HasSubstr("not recognised"));
+        HasSubstr("a.left.K: stands in the file as a.right.K too, with other numbers"));
   }
 }
 

@@ -40,7 +40,12 @@ const Words kMatrix = {"m",
                        "cameraintrinsics",
                        "cammat",
                        "cameramat",
-                       "mat"};
+                       "mat",
+                       "cammats",
+                       "cm",
+                       "newmtx",
+                       "newcameramtx",
+                       "newcameramatrix"};
 const Words kDistortion = {"d",
                            "distcoeffs",
                            "distcoeff",
@@ -52,7 +57,9 @@ const Words kDistortion = {"d",
                            "distortions",
                            "distortionvector",
                            "discoeffs",
-                           "disto"};
+                           "disto",
+                           "distcoef",
+                           "distcoefs"};
 /// Behind the name of a fisheye's distortion, as Stereolabs writes it: D_LEFT_FE.
 constexpr const char* kFisheye = "fe";
 const Words kProjection = {"p", "projection", "projectionmatrix", "proj", "projmatrix", "projmat"};
@@ -61,6 +68,7 @@ const Words kRotation = {"r",
                          "rotationmatrix",
                          "rot",
                          "rotmatrix",
+                         "rotmat",
                          "rmat",
                          "rmatrix",
                          "rvec",
@@ -78,6 +86,7 @@ const Words kTranslation = {"t",
                             "trans",
                             "trns",
                             "transvector",
+                            "transvec",
                             "tvec",
                             "tmat",
                             "tvector",
@@ -85,7 +94,17 @@ const Words kTranslation = {"t",
                             "translationmat",
                             "translationlefttoright",
                             "translationofcamera2"};
-const Words kPose = {"rt", "pose", "extrinsics", "extrinsic", "extrinsicmatrix", "transform", "transformation"};
+const Words kPose = {"rt",
+                     "pose",
+                     "extrinsics",
+                     "extrinsic",
+                     "extrinsicmatrix",
+                     "transform",
+                     "transformation",
+                     "extrinsicslefttoright",
+                     "lefttoright",
+                     "tlefttoright",
+                     "transformlefttoright"};
 const Words kOfBoth = {"", "stereo", "extrinsics", "extrinsic", "stereoparams", "camera2", "cam2"};
 const Words kSize = {"imagesize", "imgsize", "size", "resolution", "imageresolution"};
 const Words kShape = {"imageshape", "imgshape", "shape"};  // of a NumPy array: rows, columns

@@ -209,7 +209,10 @@ TEST(OpenCvNames, ThatPeopleGiveTheirMatricesAreKnown) {
         Names{"left_camera_matrix", "left_distortion", "right_camera_matrix", "right_distortion", "R", "T"},
         Names{"mtxL", "distL", "mtxR", "distR", "Rot", "Trns"}, Names{"mtx1", "dist1", "mtx2", "dist2", "R", "T"},
         Names{"K_LEFT", "DISTO_LEFT", "K_RIGHT", "DISTO_RIGHT", "R", "T"}, Names{"K_l", "D_l", "K_r", "D_r", "R", "T"},
-        Names{"K_0", "D_0", "K_1", "D_1", "R", "T"},
+        Names{"K_0", "D_0", "K_1", "D_1", "R", "T"}, Names{"CM1", "dist1", "CM2", "dist2", "R", "T"},
+        Names{"newCameraMatrixL", "distL", "newCameraMatrixR", "distR", "rot", "trans"},
+        Names{"new_mtxL", "distL", "new_mtxR", "distR", "Rot", "Trns"},
+        Names{"cam_mats_left", "dist_coefs_left", "cam_mats_right", "dist_coefs_right", "rot_mat", "trans_vec"},
         Names{"Camera_Matrix_1", "Distortion_Coefficients_1", "Camera_Matrix_2", "Distortion_Coefficients_2",
               "Rotation_Matrix", "Translation_Vector"}}) {
     SCOPED_TRACE(name[0]);

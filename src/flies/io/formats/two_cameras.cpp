@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -16,6 +17,9 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/nesting.hpp"
+#include "flies/io/formats/opencv_names.hpp"
+#include "flies/io/formats/quantities.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
 namespace flies::detail {
@@ -47,7 +51,7 @@ std::vector<double> distortion_at(const NumberTable& table, const std::string& p
   if (table.has(prefix + "k1"))
     return lens == Lens::equidistant ? coefficients_of(table, prefix, {"k1", "k2", "k3", "k4"})
                                      : coefficients_of(table, prefix, {"k1", "k2", "p1", "p2", "k3"});
-  for (const char* name : {"coeffs", "dist", "distortion", "distortion_coefficients", "D"}) {
+  for (const char* name : {"coeffs", "dist", "disto", "distortion", "distortion_coefficients", "D"}) {
     if (!table.has(prefix + name)) continue;
     std::vector<double> found = table.require(prefix + name);
     if (lens == Lens::equidistant && found.size() == kOfFisheye + 1 && found.back() == 0.0) found.pop_back();
@@ -176,30 +180,68 @@ NumberTable of_pair(NumberTable table, const NamedCameras& cameras, const std::p
   return table;
 }
 
-constexpr std::array kBaselines = {"baseline", "baseline_m", "baseline_meters"};
-constexpr const char* kTranslation = "extrinsics.translation";
-
-bool has_baseline(const NumberTable& table) {
-  return std::ranges::any_of(kBaselines, [&](const char* name) { return table.has(name); });
-}
+/// From the left to the right camera; where the file says the distance too, both must agree.
+struct FoundPose {
+  Pose pose;
+  std::string key;
+};
 
 /// RealSense's rotations stand column by column.
-Pose dumped_pose(const NumberTable& table, const CalibrationRequest& request) {
-  for (const char* name : kBaselines)
-    if (table.has(name)) return {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-table.require_number(name), 0.0, 0.0}};
-  if (!table.has(kTranslation)) {
-    missing_baseline(request, table.source, "baseline (or extrinsics.rotation and extrinsics.translation)");
-    check_asked_baseline(*request.baseline_m, table.source);
-    return {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-*request.baseline_m, 0.0, 0.0}};
-  }
-  const auto& t = table.require(kTranslation, 3);
-  const Pose pose{transposed(matrix_of(table, "extrinsics.rotation")), {t[0], t[1], t[2]}};
-  return pose.translation[0] > 0.0 ? inverse(pose) : pose;  // from the right to the left camera
+constexpr const char* kTranslation = "extrinsics.translation";
+/// Stereolabs' transform is the pose of the right camera in the frame of the left one.
+constexpr std::string_view kStereoTransform = "stereo_transform";
+
+std::optional<std::string> key_of_stereo_transform(const NumberTable& table) {
+  for (const auto& [key, entry] : table.entries)
+    if (key.ends_with(kStereoTransform) && entry.numbers.size() == 16) return key;
+  return std::nullopt;
 }
 
-ImageSize dumped_size(const NumberTable& table, const std::string& prefix) {
-  if (!table.has(prefix + "width") && !table.has(prefix + "height")) return {};
-  return {table.require_size(prefix + "width"), table.require_size(prefix + "height")};
+/// In the unit that the file names; where it names none, no two cameras stand 10 m apart, or 10 mm.
+Pose stereo_transform(const NumberTable& table, const std::string& key, CalibrationNotes& notes) {
+  const Pose left_from_right = pose_of(table, key, notes);
+  constexpr double kLeastMillimetres = 10.0;
+  const auto& t = left_from_right.translation;
+  const bool is_millimetres = std::hypot(t[0], t[1], t[2]) >= kLeastMillimetres;
+  const auto unit = unit_in(table);
+  if (!unit && is_millimetres)
+    notes.push_back({key + " is taken as millimetres, as the ZED SDK has them (--baseline M says otherwise)"});
+  return inverse(scaled(left_from_right, unit.value_or(is_millimetres ? 1e-3 : 1.0)));
+}
+
+/// What the file says of rotation and translation; nothing when it does not.
+std::optional<FoundPose> pose_in(const NumberTable& table, CalibrationNotes& notes) {
+  if (table.has(kTranslation)) {
+    const auto& t = table.require(kTranslation, 3);
+    const Pose pose{transposed(matrix_of(table, "extrinsics.rotation")), {t[0], t[1], t[2]}};
+    return FoundPose{pose.translation[0] > 0.0 ? inverse(pose) : pose, kTranslation};  // else from right to left
+  }
+  if (const auto key = key_of_stereo_transform(table)) return FoundPose{stereo_transform(table, *key, notes), *key};
+  const OpenCvNames names = opencv_names(table);
+  if (!names.pose.empty()) return FoundPose{pose_of(table, names.pose, notes), names.pose};
+  if (!table.has(names.translation)) return std::nullopt;
+  const auto& t = table.require(names.translation, 3);
+  return FoundPose{{rotation_of(table, names.rotation, notes), {t[0], t[1], t[2]}}, names.translation};
+}
+
+Pose dumped_pose(const NumberTable& table, double fx_px, const CalibrationRequest& request, CalibrationNotes& notes) {
+  const auto pose = pose_in(table, notes);
+  const auto baseline = baseline_in(table, fx_px);
+  const auto& t = pose ? pose->pose.translation : std::array<double, 3>{};
+  if (pose && baseline && !request.baseline_m)
+    check_same_length(*baseline, {pose->key, std::hypot(t[0], t[1], t[2])}, table.source);
+  if (pose) return pose->pose;
+  if (!baseline) {
+    missing_baseline(request, table.source, "baseline (or R and T, or extrinsics.rotation and extrinsics.translation)");
+    check_asked_baseline(*request.baseline_m, table.source);
+  }
+  return {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-(baseline ? baseline->value : *request.baseline_m), 0.0, 0.0}};
+}
+
+/// Of the camera; or of both, beside them.
+ImageSize dumped_size(const NumberTable& table, const std::string& camera, const NumberTable& beside) {
+  const auto size = size_in(below(table, camera));
+  return size.width_px > 0 ? size : size_in(beside);
 }
 
 /// That other cameras are left out: a doubt where the pose does not say which of all it is between.
@@ -214,8 +256,11 @@ Calibration read_two_cameras(const NumberTable& whole, const CalibrationRequest&
   const auto names = pair_of(cameras, whole.source);
   const NumberTable table = of_pair(whole, cameras, names);
   const std::string left = names.first + ".", right = names.second + ".";
-  const ImageSize size = dumped_size(table, left);
-  check_same_size(size, dumped_size(table, right), table.source, right + "width");
+  NumberTable beside = table;
+  std::erase_if(beside.entries,
+                [&](const auto& item) { return item.first.starts_with(left) || item.first.starts_with(right); });
+  const ImageSize size = dumped_size(table, left, beside);
+  check_same_size(size, dumped_size(table, right, beside), table.source, right + "width");
   CalibrationNotes notes;
   const Lens lens = named_lens(table, notes);
   RawPair pair{{size.width_px, size.height_px, camera_at(table, left, cameras.column, cameras.row, lens),
@@ -224,9 +269,9 @@ Calibration read_two_cameras(const NumberTable& whole, const CalibrationRequest&
                names.second,
                "extrinsics",
                std::move(notes)};
-  set_pose(pair.stereo, dumped_pose(table, request));
+  set_pose(pair.stereo, dumped_pose(beside, pair.stereo.left.matrix[0], request, pair.notes));
   if (cameras.names.size() > 2)
-    pair.notes.push_back(note_on_others(cameras, pair, !has_baseline(table) && table.has(kTranslation)));
+    pair.notes.push_back(note_on_others(cameras, pair, beside.has(kTranslation) && !baseline_in(beside, 0.0)));
   return calibration_from_pair(std::move(pair), request, table.source);
 }
 

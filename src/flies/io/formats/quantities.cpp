@@ -1,0 +1,300 @@
+#include "flies/io/formats/quantities.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <initializer_list>
+#include <string_view>
+#include <vector>
+
+#include "flies/core/error.hpp"
+#include "flies/core/plausible.hpp"
+
+namespace flies::detail {
+namespace {
+
+/// Small letters and digits alone. The first are looked for first.
+using Names = std::initializer_list<const char*>;
+
+constexpr Names kFocal = {"fx",          "fxpx",          "f",            "fpx",         "focal",
+                          "focalpx",     "focallength",   "focallengthpx", "focallengthx", "focalx",
+                          "focalxpx",    "fu"};
+constexpr Names kFocalDown = {"fy", "fypx", "focallengthy", "focaly", "fv"};
+constexpr Names kColumn = {"cx", "cxpx", "cxleft", "cx0", "ppx", "u0", "cu", "principalpointx"};
+constexpr Names kRightColumn = {"cxright", "cxrightpx", "cx1"};
+constexpr Names kRow = {"cy", "cypx", "ppy", "v0", "cv", "principalpointy"};
+constexpr Names kMatrix = {"k",          "cameramatrix",     "intrinsicmatrix", "intrinsics",
+                           "intrinsic",  "cameraintrinsics", "mtx",             "kmatrix"};
+constexpr Names kFocalLengths = {"focallength", "focallengths", "focal", "focallengthpx"};
+constexpr Names kPrincipalPoint = {"principalpoint", "principalpointpx", "center", "centre", "opticalcenter"};
+constexpr Names kBaseline = {"baseline", "stereobaseline", "camerabaseline"};
+constexpr Names kShortBaseline = {"b"};
+constexpr Names kFocalTimesBaseline = {"bf", "fb", "focaltimesbaseline", "fxbaseline"};
+constexpr Names kShift = {"tx"};  // of OpenCV, where the right camera's is negative
+constexpr Names kWidth = {"width", "widthpx", "imagewidth", "imgwidth"};
+constexpr Names kHeight = {"height", "heightpx", "imageheight", "imgheight"};
+constexpr Names kSize = {"resolution", "imagesize", "imgsize", "imageresolution", "framesize", "size"};
+constexpr Names kShape = {"imageshape", "imgshape", "shape"};  // of a NumPy array: rows, columns
+constexpr Names kUnit = {"unit", "units", "baselineunit", "baselineunits", "lengthunit", "worldunits", "coordinateunits"};
+
+struct Unit {
+  std::string_view name;
+  double metres;
+};
+constexpr Unit kUnits[] = {{"m", 1.0},
+                           {"meter", 1.0},
+                           {"meters", 1.0},
+                           {"metre", 1.0},
+                           {"metres", 1.0},
+                           {"mm", 1e-3},
+                           {"millimeter", 1e-3},
+                           {"millimeters", 1e-3},
+                           {"millimetre", 1e-3},
+                           {"millimetres", 1e-3},
+                           {"cm", 1e-2},
+                           {"centimeter", 1e-2},
+                           {"centimeters", 1e-2},
+                           {"centimetre", 1e-2},
+                           {"centimetres", 1e-2},
+                           {"in", 0.0254},
+                           {"inch", 0.0254},
+                           {"inches", 0.0254}};
+
+std::optional<double> metres_per(std::string_view unit) {
+  const auto* found = std::ranges::find(kUnits, unit, &Unit::name);
+  return found == std::end(kUnits) ? std::nullopt : std::optional(found->metres);
+}
+
+/// The last part of a key, its letters and digits, small.
+std::string plain_name(std::string_view key) {
+  const auto dot = key.rfind('.');
+  std::string plain;
+  for (const char c : dot == std::string_view::npos ? key : key.substr(dot + 1))
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return plain;
+}
+
+bool is_on_top(std::string_view key) { return key.find('.') == std::string_view::npos; }
+
+/// The keys of entries whose name is one of these, as far as `fits` says so.
+template <typename Fits>
+std::vector<std::string> keys_of(const NumberTable& table, Names names, Fits fits) {
+  std::vector<std::string> on_top, below;
+  for (const std::string_view name : names)
+    for (const auto& [key, entry] : table.entries)
+      if (plain_name(key) == name && fits(key, entry)) (is_on_top(key) ? on_top : below).push_back(key);
+  return on_top.empty() ? below : on_top;
+}
+
+/// The one of them that counts: the first below no other key, or that of which all say the same; "" when there is none.
+std::string chosen(const NumberTable& table, const std::vector<std::string>& keys) {
+  if (keys.empty() || is_on_top(keys[0])) return keys.empty() ? "" : keys[0];
+  for (const auto& key : keys)
+    if (table.entries.find(key)->second.numbers != table.entries.find(keys[0])->second.numbers)
+      throw InputError(table.source, keys[0],
+                       fmt::format("stands in the file as {} too, with other numbers: which is meant? Keep one camera of a rectified pair, or one pair whose keys say left and right",
+key));
+  return keys[0];
+}
+
+/// None is a word, and two are one with a decimal comma: both are told when the number is asked for.
+bool is_number(const std::string& key, const NumberEntry& entry) {
+  const std::string name = plain_name(key);
+  const bool may_be_pair = std::ranges::find(kFocalLengths, name) != kFocalLengths.end();
+  return entry.numbers.size() <= (may_be_pair ? 1 : 2);
+}
+
+std::string key_of_number(const NumberTable& table, Names names) {
+  return chosen(table, keys_of(table, names, is_number));
+}
+
+/// @param otherwise the name to miss when there is none
+double number_of(const NumberTable& table, Names names, const char* otherwise) {
+  const std::string key = key_of_number(table, names);
+  return table.require_number(key.empty() ? otherwise : key);
+}
+
+bool is_pair(const std::string&, const NumberEntry& entry) { return entry.numbers.size() == 2; }
+
+std::string key_of_pair(const NumberTable& table, Names names) { return chosen(table, keys_of(table, names, is_pair)); }
+
+/// Nine numbers, or fx, fy, cx, cy, which under the name of k may be coefficients of distortion.
+bool is_matrix(const std::string& key, const NumberEntry& entry) {
+  const std::string name = plain_name(key);
+  return entry.numbers.size() == 9 || (entry.numbers.size() == 4 && name != "k" && name != "kmatrix");
+}
+
+std::string key_of_matrix(const NumberTable& table) { return chosen(table, keys_of(table, kMatrix, is_matrix)); }
+
+bool has_numbers(const NumberTable& table, Names names) { return !keys_of(table, names, is_number).empty(); }
+
+FoundCamera of_matrix(const NumberTable& table, const std::string& key, CalibrationNotes& notes) {
+  const auto& numbers = table.require(key);
+  constexpr std::size_t kFew = 4;
+  if (numbers.size() == kFew) return {key, numbers[0], numbers[1], numbers[2], numbers[2], numbers[3]};
+  auto m = matrix_of(table, key);
+  const bool stands_in_columns = m[2] == 0.0 && m[5] == 0.0 && m[8] == 1.0 && (m[6] > 1.0 || m[7] > 1.0);
+  if (stands_in_columns) {
+    m = transposed(m);
+    notes.push_back({key + " is read column by column, as Open3D and MATLAB write it", CalibrationNoteKind::told});
+  }
+  check_camera_matrix(m, table.source, key);
+  return {key, m[0], m[4], m[2], m[2], m[5]};
+}
+
+/// fx, fy, cx, cy by their own names; focal lengths alone, or the principal point, may be a list.
+FoundCamera of_numbers(const NumberTable& table) {
+  FoundCamera camera;
+  const std::string lengths = key_of_pair(table, kFocalLengths), centre = key_of_pair(table, kPrincipalPoint);
+  if (!lengths.empty() && !has_numbers(table, kFocal)) {
+    camera.fx_px = table.require(lengths, 2)[0];
+    camera.fy_px = table.require(lengths, 2)[1];
+    camera.key = lengths;
+  } else {
+    camera.fx_px = number_of(table, kFocal, "fx");
+    camera.fy_px = has_numbers(table, kFocalDown) ? number_of(table, kFocalDown, "fy") : camera.fx_px;
+    camera.key = key_of_number(table, kFocal);
+  }
+  if (!centre.empty() && !has_numbers(table, kColumn)) {
+    camera.cx_px = table.require(centre, 2)[0];
+    camera.cy_px = table.require(centre, 2)[1];
+  } else {
+    camera.cx_px = number_of(table, kColumn, "cx");
+    camera.cy_px = number_of(table, kRow, "cy");
+  }
+  camera.cx_right_px = camera.cx_px;
+  return camera;
+}
+
+bool has_focal(const NumberTable& table) {
+  return has_numbers(table, kFocal) || !keys_of(table, kFocalLengths, is_pair).empty();
+}
+
+bool has_centre(const NumberTable& table) {
+  return has_numbers(table, kColumn) || !keys_of(table, kPrincipalPoint, is_pair).empty();
+}
+
+/// "baseline" and the metres per unit that its name ends in, if it does; nothing of other names.
+std::optional<std::optional<double>> unit_of_baseline(std::string_view plain) {
+  for (const std::string_view name : kBaseline) {
+    if (!plain.starts_with(name)) continue;
+    const std::string_view unit = plain.substr(name.size());
+    if (unit.empty()) return std::optional<double>();
+    if (const auto metres = metres_per(unit)) return metres;
+    if (const auto metres = unit.starts_with("in") ? metres_per(unit.substr(2)) : std::nullopt) return metres;
+  }
+  return std::nullopt;
+}
+
+/// A baseline and its unit, which may stand in its name, behind it (120 mm) or beside it.
+FoundNumber baseline_at(const NumberTable& table, const std::string& key, std::optional<double> unit) {
+  const auto& entry = table.entries.find(key)->second;
+  const auto behind = metres_per(table.word(key));
+  if (!unit && entry.numbers.size() == 1 && behind) return {key, entry.numbers[0] * *behind};
+  return {key, table.require_number(key) * unit.value_or(unit_in(table).value_or(1.0))};
+}
+
+/// 640x480 in one word, or with blanks.
+std::optional<ImageSize> size_of_words(const NumberTable& table, const std::string& key) {
+  const auto& entry = table.entries.find(key)->second;
+  const std::string word = table.word(key);
+  NumberTable split{table.source, {}};
+  if (entry.numbers.size() == 2 && (word == "x" || word == "*")) {
+    split.entries[key].numbers = entry.numbers;
+    return size_of_list(split, key);
+  }
+  const auto at = word.find('x');
+  const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
+  if (!entry.numbers.empty() || at == std::string::npos || at == 0 || at + 1 == word.size() || word.size() > 12 ||
+      !std::all_of(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(at), is_digit) ||
+      !std::all_of(word.begin() + static_cast<std::ptrdiff_t>(at) + 1, word.end(), is_digit))
+    return std::nullopt;
+  split.entries[key].numbers = {std::stod(word.substr(0, at)), std::stod(word.substr(at + 1))};
+  return size_of_list(split, key);
+}
+
+}  // namespace
+
+bool has_camera(const NumberTable& table) {
+  return (has_focal(table) && has_centre(table)) || !keys_of(table, kMatrix, is_matrix).empty();
+}
+
+FoundCamera camera_in(const NumberTable& table, CalibrationNotes& notes) {
+  const std::string matrix = key_of_matrix(table);
+  const bool has_own_names = has_focal(table) && has_centre(table);
+  FoundCamera camera = matrix.empty() || has_own_names ? of_numbers(table) : of_matrix(table, matrix, notes);
+  if (!matrix.empty() && has_own_names) {
+    constexpr double kAlike = 1e-3;
+    const FoundCamera other = of_matrix(table, matrix, notes);
+    if (std::abs(other.fx_px - camera.fx_px) > kAlike * std::abs(camera.fx_px) ||
+        std::abs(other.cx_px - camera.cx_px) > 1.0)
+      throw InputError(table.source, camera.key + ", " + matrix,
+                       fmt::format("say fx {:.6g} and {:.6g} px, cx {:.6g} and {:.6g} px: which are meant?",
+                                   camera.fx_px, other.fx_px, camera.cx_px, other.cx_px));
+  }
+  if (has_numbers(table, kRightColumn)) camera.cx_right_px = number_of(table, kRightColumn, "cx_right");
+  return camera;
+}
+
+std::optional<double> unit_in(const NumberTable& table) {
+  const auto is_word = [](const auto&, const NumberEntry& entry) { return !entry.not_a_number.empty(); };
+  const auto keys = keys_of(table, kUnit, is_word);
+  if (keys.empty()) return std::nullopt;
+  const std::string word = table.word(keys[0]);
+  const auto unit = metres_per(word.substr(word.rfind('.') + 1));  // of Python's Unit.MILLIMETER
+  if (!unit)
+    throw InputError(table.source, keys[0], fmt::format("found '{}', expected m, cm, mm or inches", word));
+  return unit;
+}
+
+void check_same_length(const FoundNumber& one, const FoundNumber& other, const std::string& source) {
+  constexpr double kAlike = 0.01;
+  if (std::abs(std::abs(one.value) - std::abs(other.value)) <= kAlike * std::abs(one.value)) return;
+  throw InputError(source, one.key + ", " + other.key,
+                   fmt::format("say {:.4g} m and {:.4g} m, expected the same distance of the cameras: which is meant?",
+                               one.value, other.value));
+}
+
+std::optional<FoundNumber> baseline_in(const NumberTable& table, double fx_px) {
+  std::vector<FoundNumber> found;
+  for (const auto& [key, entry] : table.entries)
+    if (const auto unit = unit_of_baseline(plain_name(key)); unit && entry.numbers.size() <= 1)
+      found.push_back(baseline_at(table, key, *unit));
+  if (found.empty())
+    for (const auto& key : keys_of(table, kShortBaseline, is_number))
+      if (is_on_top(key)) found.push_back(baseline_at(table, key, std::nullopt));
+  if (const std::string key = key_of_number(table, kFocalTimesBaseline); !key.empty() && fx_px > 0.0)
+    found.push_back({key, table.require_number(key) / fx_px});
+  if (std::ranges::any_of(found, [](const FoundNumber& number) { return is_on_top(number.key); }))
+    std::erase_if(found, [](const FoundNumber& number) { return !is_on_top(number.key); });
+  for (const auto& other : found) check_same_length(found[0], other, table.source);
+  if (!found.empty()) return found[0];
+  const auto shifts = keys_of(table, kShift, is_number);
+  if (shifts.empty() || !is_on_top(shifts[0])) return std::nullopt;
+  return FoundNumber{shifts[0], std::abs(table.require_number(shifts[0]))};
+}
+
+ImageSize size_in(const NumberTable& table) {
+  const std::string width = key_of_number(table, kWidth), height = key_of_number(table, kHeight);
+  if (!width.empty() || !height.empty())
+    return {table.require_size(width.empty() ? "width" : width), table.require_size(height.empty() ? "height" : height)};
+  const auto is_size = [&](const std::string& key, const NumberEntry& entry) {
+    const bool has_list = entry.not_a_number.empty() && (entry.numbers.size() == 2 || entry.numbers.size() == 3);
+    return (has_list || size_of_words(table, key)) && (is_on_top(key) || plain_name(key) != "size");
+  };
+  if (const std::string key = chosen(table, keys_of(table, kSize, is_size)); !key.empty()) {
+    const auto of_words = size_of_words(table, key);
+    return of_words ? *of_words : size_of_list(table, key);
+  }
+  if (const std::string key = chosen(table, keys_of(table, kShape, is_size)); !key.empty()) {
+    const auto size = size_of_list(table, key);
+    return table.require(key).size() == 2 ? ImageSize{size.height_px, size.width_px} : size;
+  }
+  return {};
+}
+
+}  // namespace flies::detail
