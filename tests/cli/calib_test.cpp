@@ -53,6 +53,14 @@ TEST_F(Calib, WritesOpenCvToStandardOutput) {
   EXPECT_THAT(calib({"stereo.yml"}).out, HasSubstr("baseline                0.5000 m"));
 }
 
+TEST_F(Calib, RefusesASizeThatTheFileDoesNotFit) {
+  const RunResult other = calib({"camchain.yaml", "--size", "300,240"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err, HasSubstr("the calibration is for 320 x 240 px, the images have 300 x 240 px"));
+  EXPECT_THAT(calib({"camchain.yaml", "--size", "160,120"}).out, HasSubstr("160 x 120 px"));
+  EXPECT_THAT(calib({"camchain.yaml", "--size", "300,240", "--resized"}).out, HasSubstr("300 x 240 px"));
+}
+
 TEST_F(Calib, TakesTheSizeThatAFileIsForWhereItHasNone) {
   write_text(folder.path() / "p.txt", "P0: 500 0 500 0 0 500 250 0 0 0 1 0\nP1: 500 0 500 -250 0 500 250 0 0 0 1 0\n");
   const RunResult result = calib({"p.txt", "--calib-size", "1000,500", "--size", "500,250", "--json"});

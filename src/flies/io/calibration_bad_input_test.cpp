@@ -63,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(
                                    "ELF\2\1\1\0",
                                    8),
                        "not recognised"},
-        BadCalibration{"Picture", std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16), "is a PNG image"},
+        BadCalibration{"Picture", std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16), "is a picture"},
         BadCalibration{"Compressed", "\x1F\x8B\x08 and more", "is gzip-compressed: unpack it"},
         BadCalibration{"IndentedWithTabs", "camera:\n  fx_px: 700\n\tcx_px: 600\n",
                        "line 3: malformed YAML: is indented"},

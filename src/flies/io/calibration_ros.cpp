@@ -15,6 +15,7 @@
 #include "flies/io/formats/quantities.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 #include "flies/io/formats/second_file.hpp"
+#include "flies/io/formats/sides.hpp"
 
 namespace flies::detail {
 namespace {
@@ -237,20 +238,29 @@ Calibration read_raw_ros_pair(const RosCamera& left, const RosCamera& right, con
   return calibration_from_raw(std::move(pair), request, left.table.source);
 }
 
-/// Messages of both cameras, printed one after the other; files with OpenCV's names say less of each.
-bool has_messages(const NumberTable& table) {
-  const auto has = [&](std::initializer_list<const char*> keys) {
-    return std::all_of(keys.begin(), keys.end(), [&](const char* key) { return table.has(key); });
-  };
-  return has({"left.width", "right.width", "left.distortion_model", "right.distortion_model"}) &&
-         (has({"left.K", "left.R", "left.P", "right.P"}) || has({"left.k", "left.r", "left.p", "right.p"}));
+/// What stands before the keys of the left and of the right camera.
+using Prefixes = std::array<std::string, 2>;
+
+/// Messages of both cameras, one after the other, in a list or below their topics; files with OpenCV's names say less
+/// of each.
+std::optional<Prefixes> messages_in(const NumberTable& table) {
+  std::vector<std::string> cameras;
+  for (const auto& [key, entry] : table.entries) {
+    const std::string prefix = key.substr(0, key.rfind('.') + 1);
+    const auto has = [&](const char* name) { return table.has(prefix + name); };
+    const bool is_projection = !prefix.empty() && (key == prefix + "P" || key == prefix + "p");
+    if (is_projection && has("width") && has("distortion_model") && (has("K") || has("k")) && (has("R") || has("r")))
+      cameras.push_back(prefix);
+  }
+  if (cameras.size() != 2 || !is_left_and_right(cameras[0], cameras[1])) return std::nullopt;
+  return Prefixes{cameras[0], cameras[1]};
 }
 
 Calibration read_ros(const NumberTable& table, const CalibrationRequest& request) {
+  const auto messages = messages_in(table);
   const bool is_one_file =
-      table.has("left.projection_matrix") || table.has("right.projection_matrix") || has_messages(table);
-  const std::array<std::string, 2> prefixes =
-      is_one_file ? std::array<std::string, 2>{"left.", "right."} : std::array<std::string, 2>{};
+      table.has("left.projection_matrix") || table.has("right.projection_matrix") || messages.has_value();
+  const Prefixes prefixes = messages ? *messages : is_one_file ? Prefixes{"left.", "right."} : Prefixes{};
   const NumberTable right = is_one_file ? table : read_right_file(table, request);
   auto calibration = calibration_from_ros({table, prefixes[0]}, {right, prefixes[1]}, request);
   if (!is_one_file) {
@@ -288,8 +298,8 @@ const CalibrationFormat kPlainYaml{
 const CalibrationFormat kRosCameraInfo{"ROS camera_info pair", false, true,
                                        [](const NumberTable& table) {
                                          return table.has("projection_matrix") || table.has("left.projection_matrix") ||
-                                                table.has("right.projection_matrix") || has_messages(table) ||
-                                                (table.has("P") && table.has("K")) ||
+                                                table.has("right.projection_matrix") ||
+                                                messages_in(table).has_value() || (table.has("P") && table.has("K")) ||
                                                 (table.has("p") && table.has("k"));
                                        },
                                        read_ros};

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "flies/core/error.hpp"
+#include "flies/io/foreign_files.hpp"
 #include "flies/io/formats/realsense.hpp"
 #include "flies/io/number_lines.hpp"
 #include "flies/io/text_file.hpp"
@@ -109,7 +110,7 @@ std::vector<std::string> documents_of(const std::string& text) {
 NumberTable table_of(const std::string& yaml, const std::string& source) {
   NumberTable table{source, {}};
   const YAML::Node root = detail::load_yaml(yaml, source);
-  if (root.IsMap()) flatten_yaml(root, "", table, 0);
+  if (root.IsMap() || holds_maps(root, 0)) flatten_yaml(root, "", table, 0);
   return table;
 }
 
@@ -218,37 +219,6 @@ void parse_xml(const std::string& text, NumberTable& table) {
   flatten_xml(document.child("opencv_storage"), "", table, 0);
 }
 
-constexpr const char* kPickle =
-    "is a pickle of Python: load it and write its numbers as JSON, json.dumps({'K1': K1.tolist(), ...}), with D1, K2, "
-    "D2, R, T and image_size";
-
-/// What programs write that is no text, by its first bytes, and how to write what is read.
-void check_is_text(const std::string& bytes, const std::string& path) {
-  using std::string_view_literals::operator""sv;  // for bytes of 0
-  struct Kind {
-    std::string_view first_bytes;
-    const char* complaint;
-  };
-  for (const auto& [first_bytes, complaint] :
-       {Kind{"\x89PNG", "is a PNG image, not a calibration"},
-        Kind{"\xff\xd8\xff", "is a JPEG image, not a calibration"},
-        Kind{"II*\0"sv, "is a TIFF image, not a calibration"}, Kind{"MM\0*"sv, "is a TIFF image, not a calibration"},
-        Kind{"RIFF", "is a WebP image or another RIFF file, not a calibration"},
-        Kind{"P5\n", "is a PGM image, not a calibration"}, Kind{"P6\n", "is a PPM image, not a calibration"},
-        Kind{"%PDF-", "is a PDF, not a calibration"},
-        Kind{"ARROW1", "is an Arrow file, as .feather are: write its numbers as JSON, by pandas.read_feather"},
-        Kind{"\x80\x02", kPickle}, Kind{"\x80\x03", kPickle}, Kind{"\x80\x04", kPickle}, Kind{"\x80\x05", kPickle},
-        Kind{"PK\x03\x04",
-             "is a zip archive, as numpy.savez writes it (.npz): python3 -c \"import json, numpy; "
-             "print(json.dumps({k: v.tolist() for k, v in numpy.load('FILE').items()}))\" writes it as JSON"},
-        Kind{"\x93NUMPY",
-             "is one NumPy array (.npy), expected all numbers in one text: json.dumps({'K1': numpy.load('K1.npy')"
-             ".tolist(), ...}), with D1, K2, D2, R, T and image_size"},
-        Kind{"MATLAB 5.0 MAT-file", "is a MAT-file: jsonencode(toStruct(stereoParams)) writes what is read"},
-        Kind{"\x89HDF", "is an HDF5 or MAT-file: jsonencode(toStruct(stereoParams)) in MATLAB writes what is read"}})
-    if (bytes.starts_with(first_bytes)) throw InputError(path, "format", complaint);
-}
-
 }  // namespace
 
 const std::vector<double>& NumberTable::require(std::string_view key) const {
@@ -302,7 +272,7 @@ NumberTable parse_number_table(const std::string& text, const std::string& sourc
 
 NumberTable read_number_table(const std::string& path) {
   const std::string bytes = read_file(path, kMaxBytes);
-  check_is_text(bytes, path);
+  detail::check_no_foreign_file(bytes, path);
   return parse_number_table(plain_text(bytes), path);
 }
 

@@ -111,6 +111,24 @@ TEST(Formats, MatlabCountsFromOneAndMultipliesFromTheRight) {
   }
 }
 
+TEST(Formats, MatlabsObjectsHaveTheirIntrinsicsBelowAKey) {
+  const TemporaryFolder folder;
+  const ToyRig rig;
+  const auto camera = [](const cv::Matx33d& m, const std::vector<double>& d) {
+    return fmt::format(
+        R"({{"Intrinsics": {{"FocalLength": [{}, {}], "PrincipalPoint": [{}, {}], "ImageSize": [480, 640], )"
+        R"("RadialDistortion": [{}, {}], "TangentialDistortion": [{}, {}]}}}})",
+        m(0, 0), m(1, 1), m(0, 2) + 1, m(1, 2) + 1, d[0], d[1], d[2], d[3]);
+  };
+  const auto calibration = load_calibration(folder.write(
+      "c.json", fmt::format(R"({{"CameraParameters1": {}, "CameraParameters2": {}, "PoseCamera2": {{"R": {}, )"
+                            R"("Translation": {}}}}})",
+                            camera(rig.m1, rig.d1), camera(rig.m2, rig.d2), rows(cv::Mat(rig.r)),
+                            list({1e3 * rig.t[0], 1e3 * rig.t[1], 1e3 * rig.t[2]}))));
+  EXPECT_EQ(calibration.camera.width_px, 640);
+  expect_rectifies(calibration, rig);
+}
+
 TEST(Formats, MatlabMayLeaveTheSizeToTheImages) {
   const TemporaryFolder folder;
   const auto camera = [](const char* size) {

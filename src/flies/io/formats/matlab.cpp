@@ -2,7 +2,11 @@
 // https://www.mathworks.com/help/vision/ref/stereoparameters.html, .../stereoparameterstoopencv.html
 #include <fmt/format.h>
 
+#include <array>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/io/formats/raw_pair.hpp"
@@ -10,19 +14,40 @@
 namespace flies::detail {
 namespace {
 
-constexpr const char* kFirstCamera = "CameraParameters1.RadialDistortion";
+/// Of a struct, and of an object whose intrinsics are one of their own.
+constexpr std::array<std::string_view, 2> kFirstCamera = {"CameraParameters1.RadialDistortion",
+                                                          "CameraParameters1.Intrinsics.RadialDistortion"};
 
 /// What stands before the names: the file may hold the struct below a key of its own.
 std::optional<std::string> prefix_of(const NumberTable& table) {
   for (const auto& [key, entry] : table.entries)
-    if (key.ends_with(kFirstCamera)) return key.substr(0, key.size() - std::string_view(kFirstCamera).size());
+    for (const auto& end : kFirstCamera)
+      if (key.ends_with(end)) return key.substr(0, key.size() - end.size());
   return std::nullopt;
+}
+
+/// What stands before the names of one camera.
+std::string camera_of(const NumberTable& table, const std::string& prefix, int camera) {
+  const std::string key = fmt::format("{}CameraParameters{}.", prefix, camera), inner = key + "Intrinsics.";
+  return table.has(inner + "RadialDistortion") ? inner : key;
+}
+
+std::string matrix_key(const NumberTable& table, const std::string& camera) {
+  for (const char* name : {"K", "FocalLength"})
+    if (table.has(camera + name)) return camera + name;
+  return camera + "IntrinsicMatrix";
 }
 
 /// IntrinsicMatrix multiplies from the right: it is the transposed of K. Both count pixels from 1.
 std::array<double, 9> read_matrix(const NumberTable& table, const std::string& camera) {
-  auto m = table.has(camera + "K") ? matrix_of(table, camera + "K")
-                                   : transposed(matrix_of(table, camera + "IntrinsicMatrix"));
+  const std::string key = matrix_key(table, camera);
+  std::array<double, 9> m{};
+  if (key.ends_with("FocalLength")) {
+    const auto &focal = table.require(key, 2), &centre = table.require(camera + "PrincipalPoint", 2);
+    m = camera_matrix(focal[0], focal[1], centre[0], centre[1]);
+  } else {
+    m = key.ends_with("K") ? matrix_of(table, key) : transposed(matrix_of(table, key));
+  }
   m[2] -= 1.0;
   m[5] -= 1.0;
   return m;
@@ -80,8 +105,8 @@ ImageSize size_in_file(const NumberTable& table, const std::string& key) {
 
 Calibration read_matlab(const NumberTable& table, const CalibrationRequest& request) {
   const std::string prefix = prefix_of(table).value_or("");
-  const std::string left = prefix + "CameraParameters1.", right = prefix + "CameraParameters2.";
-  RawPair pair{{}, left + "IntrinsicMatrix", right + "IntrinsicMatrix", prefix + "RotationOfCamera2"};
+  const std::string left = camera_of(table, prefix, 1), right = camera_of(table, prefix, 2);
+  RawPair pair{{}, matrix_key(table, left), matrix_key(table, right), prefix + "RotationOfCamera2"};
   pair.stereo.left = read_camera(table, left);
   pair.stereo.right = read_camera(table, right);
   set_pose(pair.stereo, scaled(read_pose(table, prefix, pair.notes), metres_per_unit(table, prefix)));

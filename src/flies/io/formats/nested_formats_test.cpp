@@ -140,6 +140,27 @@ TEST(NestedFormats, MessagesOfBothCamerasMayStandInOneFile) {
   EXPECT_NEAR(load_calibration(folder.write("left.yaml", left + left)).camera.baseline_m, cv::norm(rig.t), kWritten_m);
 }
 
+TEST(NestedFormats, MessagesMayStandInAListOrBelowTheirTopics) {
+  const TemporaryFolder folder;
+  const ToyRig rig;
+  const auto to = rectified(rig);
+  const auto indented = [](const std::string& message) {
+    std::string text;
+    std::istringstream lines(message.substr(0, message.find("---")));
+    for (std::string line; std::getline(lines, line);) text += "  " + line + "\n";
+    return text;
+  };
+  const std::string left = indented(message(rig.m1, rig.d1, to.r1, to.p1)),
+                    right = indented(message(rig.m2, rig.d2, to.r2, to.p2));
+  for (const std::string& text :
+       {"/stereo/left/camera_info:\n" + left + "/stereo/right/camera_info:\n" + right, "-\n" + left + "-\n" + right}) {
+    SCOPED_TRACE(text);
+    const auto path = folder.write("c.yaml", text);
+    EXPECT_NEAR(load_calibration(path).camera.baseline_m, cv::norm(rig.t), kWritten_m);
+    expect_rectifies(load_calibration(path, of_raw_images()), rig);
+  }
+}
+
 TEST(NestedFormats, WhatOpenCvAppendedIsReadToo) {
   const auto table = parse_number_table("%YAML:1.0\n---\na: 1\n...\n---\nb: 2\n", "c");
   EXPECT_EQ(table.require_number("a") + table.require_number("b"), 3.0);
@@ -190,10 +211,25 @@ TEST(NestedFormats, FilesThatAreNoTextSayWhatTheyAre) {
   for (const auto& [bytes, what] :
        {std::pair{std::string("PK\x03\x04\x14\0", 6), ".npz"}, std::pair{std::string("\x93NUMPY\x01\0v\0", 10), ".npy"},
         std::pair{std::string("MATLAB 5.0 MAT-file, \0", 22), "jsonencode"},
-        std::pair{std::string("\x89PNG\r\n\x1a\n\0", 9), "is a PNG image"},
-        std::pair{std::string("II*\0", 4), "is a TIFF image"},
-        std::pair{std::string("\x80\x04\x95\0", 4), "pickle of Python"}})
+        std::pair{std::string("\x89PNG\r\n\x1a\n\0", 9), "is a picture"},
+        std::pair{std::string("II*\0", 4), "is a picture"}, std::pair{std::string("\x80\x04\x95\0", 4), "is a pickle"},
+        std::pair{std::string("ARROW1\0", 7), ".feather"}, std::pair{std::string("%PDF-1.5"), "camchain"}})
     EXPECT_THAT(error_of([&, &bytes = bytes] { load_calibration(folder.write("c", bytes)); }), HasSubstr(what));
+}
+
+TEST(NestedFormats, TextsThatAreNoCalibrationSayWhatToGiveInstead) {
+  const TemporaryFolder folder;
+  for (const auto& [text, what] :
+       {std::pair{"K: !!python/object/apply:numpy.core.multiarray.scalar\n- &id001 !!python/object/apply:numpy.dtype\n",
+                  ".tolist() behind each array"},
+        std::pair{"Calibration results\n===\nCamera-system parameters:\ncam0 (/cam0):\n    projection: [461. 460. 362. "
+                  "246.] +- [0.1 0.1 0.1 0.1]\n",
+                  "give camchain-*.yaml"},
+        std::pair{"left: [ 848x480  p[421.5 236.25]  f[424.1 424.1]  Brown Conrady [0 0 0 0 0] ]\n",
+                  "as Python prints them: give what rs-enumerate-devices -c writes"},
+        std::pair{"%YAML:1.0\nuse_stereo: true\nrelative_config_imucam: \"kalibr_imucam_chain.yaml\"\n",
+                  "give the file of the cameras that it names as relative_config_imucam"}})
+    EXPECT_THAT(error_of([&, text = text] { load_calibration(folder.write("c", text)); }), HasSubstr(what));
 }
 
 }  // namespace

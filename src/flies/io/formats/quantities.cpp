@@ -19,15 +19,15 @@ namespace {
 /// Small letters and digits alone. The first are looked for first.
 using Names = std::initializer_list<const char*>;
 
-constexpr Names kFocal = {"fx",          "fxpx",          "f",            "fpx",         "focal",
-                          "focalpx",     "focallength",   "focallengthpx", "focallengthx", "focalx",
-                          "focalxpx",    "fu"};
+constexpr Names kFocal = {"fx",           "fxpx",    "f",           "fpx",
+                          "focal",        "focalpx", "focallength", "focallengthpx",
+                          "focallengthx", "focalx",  "focalxpx",    "fu"};
 constexpr Names kFocalDown = {"fy", "fypx", "focallengthy", "focaly", "fv"};
 constexpr Names kColumn = {"cx", "cxpx", "cxleft", "cx0", "ppx", "u0", "cu", "principalpointx"};
 constexpr Names kRightColumn = {"cxright", "cxrightpx", "cx1"};
 constexpr Names kRow = {"cy", "cypx", "ppy", "v0", "cv", "principalpointy"};
-constexpr Names kMatrix = {"k",          "cameramatrix",     "intrinsicmatrix", "intrinsics",
-                           "intrinsic",  "cameraintrinsics", "mtx",             "kmatrix"};
+constexpr Names kMatrix = {"k",   "cameramatrix", "intrinsicmatrix", "intrinsics", "intrinsic", "cameraintrinsics",
+                           "mtx", "kmatrix"};
 constexpr Names kFocalLengths = {"focallength", "focallengths", "focal", "focallengthpx"};
 constexpr Names kPrincipalPoint = {"principalpoint", "principalpointpx", "center", "centre", "opticalcenter"};
 constexpr Names kBaseline = {"baseline", "stereobaseline", "camerabaseline"};
@@ -38,30 +38,18 @@ constexpr Names kWidth = {"width", "widthpx", "imagewidth", "imgwidth"};
 constexpr Names kHeight = {"height", "heightpx", "imageheight", "imgheight"};
 constexpr Names kSize = {"resolution", "imagesize", "imgsize", "imageresolution", "framesize", "size"};
 constexpr Names kShape = {"imageshape", "imgshape", "shape"};  // of a NumPy array: rows, columns
-constexpr Names kUnit = {"unit", "units", "baselineunit", "baselineunits", "lengthunit", "worldunits", "coordinateunits"};
+constexpr Names kUnit = {"unit",       "units",      "baselineunit",   "baselineunits",
+                         "lengthunit", "worldunits", "coordinateunits"};
 
 struct Unit {
   std::string_view name;
   double metres;
 };
-constexpr Unit kUnits[] = {{"m", 1.0},
-                           {"meter", 1.0},
-                           {"meters", 1.0},
-                           {"metre", 1.0},
-                           {"metres", 1.0},
-                           {"mm", 1e-3},
-                           {"millimeter", 1e-3},
-                           {"millimeters", 1e-3},
-                           {"millimetre", 1e-3},
-                           {"millimetres", 1e-3},
-                           {"cm", 1e-2},
-                           {"centimeter", 1e-2},
-                           {"centimeters", 1e-2},
-                           {"centimetre", 1e-2},
-                           {"centimetres", 1e-2},
-                           {"in", 0.0254},
-                           {"inch", 0.0254},
-                           {"inches", 0.0254}};
+constexpr Unit kUnits[] = {
+    {"m", 1.0},     {"meter", 1.0},       {"meters", 1.0},       {"metre", 1.0},       {"metres", 1.0},
+    {"mm", 1e-3},   {"millimeter", 1e-3}, {"millimeters", 1e-3}, {"millimetre", 1e-3}, {"millimetres", 1e-3},
+    {"cm", 1e-2},   {"centimeter", 1e-2}, {"centimeters", 1e-2}, {"centimetre", 1e-2}, {"centimetres", 1e-2},
+    {"in", 0.0254}, {"inch", 0.0254},     {"inches", 0.0254}};
 
 std::optional<double> metres_per(std::string_view unit) {
   const auto* found = std::ranges::find(kUnits, unit, &Unit::name);
@@ -96,8 +84,9 @@ std::string chosen(const NumberTable& table, const std::vector<std::string>& key
   for (const auto& key : keys)
     if (table.entries.find(key)->second.numbers != table.entries.find(keys[0])->second.numbers)
       throw InputError(table.source, keys[0],
-                       fmt::format("stands in the file as {} too, with other numbers: which is meant? Keep one camera of a rectified pair, or one pair whose keys say left and right",
-key));
+                       fmt::format("stands in the file as {} too, with other numbers: which is meant? Keep one camera "
+                                   "of a rectified pair, or one pair whose keys say left and right",
+                                   key));
   return keys[0];
 }
 
@@ -246,8 +235,7 @@ std::optional<double> unit_in(const NumberTable& table) {
   if (keys.empty()) return std::nullopt;
   const std::string word = table.word(keys[0]);
   const auto unit = metres_per(word.substr(word.rfind('.') + 1));  // of Python's Unit.MILLIMETER
-  if (!unit)
-    throw InputError(table.source, keys[0], fmt::format("found '{}', expected m, cm, mm or inches", word));
+  if (!unit) throw InputError(table.source, keys[0], fmt::format("found '{}', expected m, cm, mm or inches", word));
   return unit;
 }
 
@@ -281,7 +269,8 @@ std::optional<FoundNumber> baseline_in(const NumberTable& table, double fx_px) {
 ImageSize size_in(const NumberTable& table) {
   const std::string width = key_of_number(table, kWidth), height = key_of_number(table, kHeight);
   if (!width.empty() || !height.empty())
-    return {table.require_size(width.empty() ? "width" : width), table.require_size(height.empty() ? "height" : height)};
+    return {table.require_size(width.empty() ? "width" : width),
+            table.require_size(height.empty() ? "height" : height)};
   const auto is_size = [&](const std::string& key, const NumberEntry& entry) {
     const bool has_list = entry.not_a_number.empty() && (entry.numbers.size() == 2 || entry.numbers.size() == 3);
     return (has_list || size_of_words(table, key)) && (is_on_top(key) || plain_name(key) != "size");

@@ -75,9 +75,10 @@ TEST(Quantities, CamerasMayBeMatricesListsOrStandBelowAKey) {
     expect_camera(camera + baseline + kSize);
   expect_camera(R"({"stereo": {"fx": 700, "fy": 710, "cx": 320, "cy": 240, "baseline": 0.12,)"
                 R"( "width": 640, "height": 480}})");
-  for (const char* lines : {"fx=700\nfy=710\ncx=320\ncy=240\nbaseline=0.12\nwidth=640\nheight=480\n",
-                            "[camera]\nfx = 700\nfy = 710\ncx = 320\ncy = 240\nbaseline = 0.12\nresolution = [640, 480]\n",
-                            "fx,fy,cx,cy,baseline,width,height\n700,710,320,240,0.12,640,480\n"})
+  for (const char* lines :
+       {"fx=700\nfy=710\ncx=320\ncy=240\nbaseline=0.12\nwidth=640\nheight=480\n",
+        "[camera]\nfx = 700\nfy = 710\ncx = 320\ncy = 240\nbaseline = 0.12\nresolution = [640, 480]\n",
+        "fx,fy,cx,cy,baseline,width,height\n700,710,320,240,0.12,640,480\n"})
     expect_camera(lines);
 }
 
@@ -148,8 +149,7 @@ TEST(Quantities, TwoCamerasStandAsRAndTOrATransformSay) {
   const std::string r = "R: " + rows(cv::Mat(rig.r)) + "\n", t = "T: " + list({rig.t[0], rig.t[1], rig.t[2]}) + "\n";
   for (const std::string& between :
        {r + t, "stereo_transform: " + rows(inverted) + "\n", "stereo_transform: " + rows(in_millimetres) + "\n",
-        "unit: mm\nstereo_transform: " + rows(in_millimetres) + "\n",
-        "extrinsics_left_to_right: " + rows(pose) + "\n",
+        "unit: mm\nstereo_transform: " + rows(in_millimetres) + "\n", "extrinsics_left_to_right: " + rows(pose) + "\n",
         r + t + fmt::format("baseline_mm: {}\n", 1000 * cv::norm(rig.t))}) {
     SCOPED_TRACE(between);
     expect_rectifies(load_calibration(folder.write("c", sides(rig) + between)), rig);

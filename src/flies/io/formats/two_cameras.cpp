@@ -5,14 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -21,6 +18,7 @@
 #include "flies/io/formats/opencv_names.hpp"
 #include "flies/io/formats/quantities.hpp"
 #include "flies/io/formats/raw_pair.hpp"
+#include "flies/io/formats/sides.hpp"
 
 namespace flies::detail {
 namespace {
@@ -84,52 +82,6 @@ Calibration read_mrpt(const NumberTable& table, const CalibrationRequest& reques
   return calibration_from_pair(std::move(pair), request, table.source);
 }
 
-std::string small_letters(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return text;
-}
-
-struct NumberInName {
-  int value = 0;
-  std::size_t digits = 0;
-};
-
-/// The whole number that a text begins with, if it does.
-std::optional<NumberInName> number_at(std::string_view text) {
-  NumberInName number;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number.value);
-  if (error != std::errc() || text[0] == '-') return std::nullopt;
-  number.digits = static_cast<std::size_t>(end - text.data());
-  return number;
-}
-
-/// Whether names are alike but for left and right, l and r, or numbers of which the second are the next.
-bool is_left_and_right(std::string_view left, std::string_view right) {
-  bool differ = false;
-  while (!left.empty() && !right.empty()) {
-    std::size_t of_left = 1, of_right = 1;
-    const auto number = number_at(left), next = number_at(right);
-    if (left.starts_with("left") && right.starts_with("right")) {
-      of_left = 4;
-      of_right = 5;
-      differ = true;
-    } else if (left[0] == 'l' && right[0] == 'r') {
-      differ = true;
-    } else if (number && next) {
-      if (number->value != next->value && number->value + 1 != next->value) return false;
-      differ = differ || number->value != next->value;
-      of_left = number->digits;
-      of_right = next->digits;
-    } else if (left[0] != right[0]) {
-      return false;
-    }
-    left.remove_prefix(of_left);
-    right.remove_prefix(of_right);
-  }
-  return differ && left.empty() && right.empty();
-}
-
 /// Cameras whose centre of the image stands under the same names.
 struct NamedCameras {
   const char *column = "cx", *row = "cy";
@@ -147,7 +99,7 @@ NamedCameras cameras_with(const NumberTable& table, const char* column, const ch
   }
   for (const auto& left : found.names)
     for (const auto& right : found.names)
-      if (is_left_and_right(small_letters(left), small_letters(right))) found.pairs.emplace_back(left, right);
+      if (is_left_and_right(left, right)) found.pairs.emplace_back(left, right);
   return found;
 }
 
