@@ -18,21 +18,17 @@ namespace flies {
 namespace {
 
 /// In order of recognition: the particular before the general.
-const std::array kFormats = {&detail::kPlainYaml,    &detail::kMiddlebury,
-                             &detail::kKittiRaw,     &detail::kKittiObject,
-                             &detail::kKalibr,       &detail::kKittiOdometry,
-                             &detail::kStellaVslam,  &detail::kOv2Slam,
-                             &detail::kOkvis,        &detail::kKimera,
-                             &detail::kOrbSlam,      &detail::kEuroc,
-                             &detail::kZed,          &detail::kRealSense,
-                             &detail::kDepthAi,      &detail::kBasalt,
-                             &detail::kMatlab,       &detail::kStereodemo,
-                             &detail::kStixel,       &detail::kCityscapes,
-                             &detail::kVins,         &detail::kRosCameraInfo,
-                             &detail::kDsec,         &detail::kBouguet,
-                             &detail::kOpenCvStereo, &detail::kCameraMatrixText,
-                             &detail::kMrpt,         &detail::kTwoCameras,
-                             &detail::kVirtualKitti, &detail::kFlat};
+const std::array kFormats = {&detail::kPlainYaml,     &detail::kMiddlebury,   &detail::kKittiRaw,
+                             &detail::kKittiObject,   &detail::kKalibr,       &detail::kKittiOdometry,
+                             &detail::kStellaVslam,   &detail::kOv2Slam,      &detail::kOkvis,
+                             &detail::kKimera,        &detail::kOrbSlam,      &detail::kEuroc,
+                             &detail::kZed,           &detail::kRealSense,    &detail::kDepthAi,
+                             &detail::kBasalt,        &detail::kMatlab,       &detail::kStereodemo,
+                             &detail::kStixel,        &detail::kCityscapes,   &detail::kVins,
+                             &detail::kRosCameraInfo, &detail::kDsec,         &detail::kBouguet,
+                             &detail::kArgoverse,     &detail::kOpenCvStereo, &detail::kCameraMatrixText,
+                             &detail::kMrpt,          &detail::kTwoCameras,   &detail::kVirtualKitti,
+                             &detail::kFlat};
 
 const detail::CalibrationFormat& recognise(const NumberTable& table) {
   for (const auto* format : kFormats)

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "flies/io/calibration.hpp"
@@ -11,6 +12,8 @@
 namespace flies {
 namespace {
 
+using flies::testing::body_from_left;
+using flies::testing::body_from_right;
 using flies::testing::error_of;
 using flies::testing::expect_rectifies;
 using flies::testing::focal_and_centre;
@@ -39,7 +42,7 @@ std::string dsec(const ToyRig& rig, const std::string& reprojection) {
                        focal_and_centre(cv::Matx33d(p.colRange(0, 3))));
   };
   return "intrinsics:\n" + raw("cam1", rig.m1, rig.d1) + raw("cam2", rig.m2, rig.d2) + straight("camRect1", views.p1) +
-         straight("camRect2", views.p2) + "extrinsics:\n  T_10: " + rows(flies::testing::body_from_left()) +
+         straight("camRect2", views.p2) + "extrinsics:\n  T_10: " + rows(body_from_left()) +
          "\n  T_21: " + rows(right_from_left(rig)) + "\n" + reprojection;
 }
 
@@ -68,6 +71,35 @@ TEST(DatasetFormats, DsecNamesWhatIsMissing) {
   EXPECT_THAT(
       error_of([&] { load_calibration(folder.write("c", dsec(rig, "disparity_to_depth:\n  cams_12: " + rows(q)))); }),
       HasSubstr("expected that of intrinsics.camRect1 and intrinsics.camRect2"));
+}
+
+TEST(DatasetFormats, ArgoverseSaysWhereItsCamerasStandOnTheVehicle) {
+  const TemporaryFolder folder;
+  const ToyRig rig;
+  const auto camera = [](const char* name, const cv::Matx33d& m, const cv::Mat& pose) {
+    cv::Vec3d turn;
+    cv::Rodrigues(pose(cv::Rect(0, 0, 3, 3)), turn);
+    const double angle = cv::norm(turn);
+    const cv::Vec3d q = turn / angle * std::sin(angle / 2);
+    return fmt::format(
+        R"({{"key": "image_raw_{}", "value": {{"focal_length_x_px_": {}, "focal_length_y_px_": {}, )"
+        R"("focal_center_x_px_": {}, "focal_center_y_px_": {}, "skew_": 0, "distortion_coefficients_": [-0.2, 0.04, 0], )"
+        R"("vehicle_SE3_camera_": {{"rotation": {{"coefficients": {}}}, "translation": {}}}}}}})",
+        name, m(0, 0), m(1, 1), m(0, 2), m(1, 2), list({std::cos(angle / 2), q[0], q[1], q[2]}),
+        list({pose.at<double>(0, 3), pose.at<double>(1, 3), pose.at<double>(2, 3)}));
+  };
+  const std::string ring = camera("ring_front_left", rig.m2, body_from_left()),
+                    left = camera("stereo_front_left", rig.m1, body_from_left()),
+                    right = camera("stereo_front_right", rig.m2, body_from_right(rig));
+  CalibrationRequest request;
+  request.width_px = 640;
+  request.height_px = 480;
+  ToyRig radial = rig;
+  radial.d1 = radial.d2 = {-0.2, 0.04, 0.0, 0.0, 0.0};
+  const auto text = "{\"camera_data_\": [" + ring + ", " + right + ", " + left + "]}";
+  expect_rectifies(load_calibration(folder.write("c", text), request), radial);
+  EXPECT_THAT(error_of([&] { load_calibration(folder.write("c", "{\"camera_data_\": [" + left + "]}"), request); }),
+              HasSubstr("camera_data_: has no camera stereo_front_right"));
 }
 
 TEST(DatasetFormats, BouguetsToolboxIsReadAsTextAndAsJson) {
