@@ -241,7 +241,7 @@ void setup_calib(CLI::App& app) {
                       "second file: the right camera of a ROS pair, or OpenCV's other half (intrinsics beside "
                       "extrinsics)");
   add_cameras_option(*command, arguments->camera,
-                     "left and right camera, of KITTI (default 2,3), Kalibr, DepthAI, Basalt");
+                     "left and right camera, of KITTI (default 2,3), Kalibr, DepthAI, DSEC, Basalt");
   command->add_option("--size", arguments->size_px, "of the images: where the file has none, or is for another")
       ->delimiter(',')
       ->expected(2)

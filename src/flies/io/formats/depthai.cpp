@@ -1,5 +1,5 @@
 // Calibration of OAK cameras as `depthai` writes it to JSON: sockets, and for each the pose of another; centimetres.
-// https://docs.luxonis.com/software-v3/depthai/depthai-components/device/, CalibrationHandler and EepromData
+// https://github.com/luxonis/depthai-core, CalibrationHandler and EepromData
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -255,11 +255,11 @@ std::optional<FoundNumber> baseline_in(const NumberTable& table, double fx_px) {
   if (found.empty())
     for (const auto& key : keys_of(table, kShortBaseline, is_number))
       if (is_on_top(key)) found.push_back(baseline_at(table, key, std::nullopt));
-  if (const std::string key = key_of_number(table, kFocalTimesBaseline); !key.empty() && fx_px > 0.0)
+  if (const std::string key = key_of_number(table, kFocalTimesBaseline); !key.empty())
     found.push_back({key, table.require_number(key) / fx_px});
   if (std::ranges::any_of(found, [](const FoundNumber& number) { return is_on_top(number.key); }))
     std::erase_if(found, [](const FoundNumber& number) { return !is_on_top(number.key); });
-  for (const auto& other : found) check_same_length(found[0], other, table.source);
+  for (std::size_t i = 1; i < found.size(); ++i) check_same_length(found[0], found[i], table.source);
   if (!found.empty()) return found[0];
   const auto shifts = keys_of(table, kShift, is_number);
   if (shifts.empty() || !is_on_top(shifts[0])) return std::nullopt;

@@ -60,6 +60,7 @@ TEST(Quantities, TwoBaselinesThatDifferAreRefused) {
   EXPECT_THAT(error(kCamera + "baseline: 0.12\nbf: 42\n"),
               HasSubstr("baseline, bf: say 0.12 m and 0.06 m, expected the same distance of the cameras"));
   EXPECT_THAT(error(kCamera + "baseline: 0.12\nbaseline_mm: 60\n"), HasSubstr("which is meant?"));
+  EXPECT_THAT(error("fx: 0\ncx: 320\ncy: 240\nbf: 84\n"), HasSubstr("fx_px (focal length): found 0"));
   EXPECT_THAT(error(kCamera + "baseline: 1\nunits: furlongs\n"),
               HasSubstr("units: found 'furlongs', expected m, cm, mm or inches"));
 }
