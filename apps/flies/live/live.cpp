@@ -2,6 +2,8 @@
 #include <tbb/global_control.h>
 
 #include <cstdio>
+#include <exception>
+#include <functional>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <optional>
@@ -168,16 +170,33 @@ class Outputs {
   const std::vector<LiveSink*>& sinks() const { return sinks_; }
   View* view() { return view_ ? &*view_ : nullptr; }
 
+  /// @throws flies::InputError of the first file that could not be written to its end; the others are closed well
   void finish(const flies::PairStreamCounts& source) {
-    if (json_queue_) json_queue_->finish();
-    if (record_queue_) record_queue_->finish();
-    if (record_) record_->close();
-    if (film_queue_) film_queue_->finish();
-    if (film_) film_->finish();
+    close_files();
+    if (failure_) std::rethrow_exception(failure_);
     status_.finish(source);
   }
 
+  /// Of a run that failed: what came until then is kept. Of one that could not even begin its lines, because another
+  /// run is writing them say, there is no film.
+  void close_files() {
+    if (json_queue_) attempt([this] { json_queue_->finish(); });
+    if (record_queue_) attempt([this] { record_queue_->finish(); });
+    if (record_) attempt([this] { record_->close(); });
+    if (film_queue_) attempt([this] { film_queue_->finish(); });
+    if (film_ && (!json_ || json_->has_begun())) attempt([this] { film_->finish(); });
+  }
+
  private:
+  /// What fails first is kept, to be told when all was tried.
+  void attempt(const std::function<void()>& close) {
+    try {
+      close();
+    } catch (...) {
+      if (!failure_) failure_ = std::current_exception();
+    }
+  }
+
   /// Whoever reads slowly, or a disk that hangs, holds up nobody else.
   void add_json(const std::string& path) {
     json_.emplace(path);
@@ -224,6 +243,7 @@ class Outputs {
   std::optional<QueuedSink> film_queue_;
   LiveStatus status_;
   std::vector<LiveSink*> sinks_;
+  std::exception_ptr failure_;
 };
 
 void run_live(LiveArguments arguments) {
@@ -235,11 +255,17 @@ void run_live(LiveArguments arguments) {
     thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     cv::setNumThreads(threads);
   }
+  if (!arguments.record.empty() || !arguments.video.empty()) outlive_readers();
   Outputs outputs(arguments);
   LiveRun run(std::move(request), outputs.sinks());
   ask_before_ending_on_signals();
   const Steered steered(outputs.view(), run);
-  run.run();
+  try {
+    run.run();
+  } catch (...) {
+    outputs.close_files();
+    throw;
+  }
   outputs.finish(run.source_counts());
 }
 

@@ -29,6 +29,7 @@ class JsonSink final : public LiveSink {
   /// @throws flies::InputError as `LineFile`
   void take(const LiveFrame& frame) override;
   void pass_over(const LiveFrame& frame) override;
+  bool has_begun() const { return file_.has_value(); }  ///< not while another thread writes
 
  private:
   std::string path_;

@@ -50,3 +50,5 @@ void end_cleanly_on_signals() {
 void ask_before_ending_on_signals() { asks_first = true; }
 
 bool is_end_requested() { return end_requested; }
+
+void outlive_readers() { std::signal(SIGPIPE, SIG_IGN); }

@@ -8,3 +8,7 @@ void end_cleanly_on_signals();
 /// ends the process as before.
 void ask_before_ending_on_signals();
 bool is_end_requested();
+
+/// From now on a reader of standard output or of a pipe that goes away does not end the process; writing fails instead,
+/// so that files that are only whole when they are closed can be.
+void outlive_readers();

@@ -1,7 +1,5 @@
 #include "shared/line_file.hpp"
 
-#include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -9,12 +7,13 @@
 #include <cstring>
 
 #include "flies/core/error.hpp"
+#include "flies/io/exclusive_file.hpp"
 
 namespace {
 
 [[noreturn]] void fail(const std::string& path, int error_number) {
-  throw flies::InputError(path == "-" ? "standard output" : path, "",
-                          std::string("cannot write: ") + std::strerror(error_number));
+  const std::string why = error_number == EPIPE ? "whoever read it went away" : std::strerror(error_number);
+  throw flies::InputError(path == "-" ? "standard output" : path, "", "cannot write: " + why);
 }
 
 bool is_regular(int descriptor) {
@@ -22,28 +21,12 @@ bool is_regular(int descriptor) {
   return ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
 }
 
-/// Locks the file until it is closed, and empties it. File systems without locks do without.
-void take(int descriptor, const std::string& path) {
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-    throw flies::InputError(path, "", "another run is writing it, expected a file of its own for each run");
-  if (::ftruncate(descriptor, 0) != 0) fail(path, errno);
-}
-
 }  // namespace
 
 LineFile::LineFile(const std::string& path) : path_(path) {
   if (path.empty()) throw flies::InputError("output", "file name", "is empty");
-  // Emptied only once it is ours: another run may be writing it.
-  descriptor_ = path == "-" ? STDOUT_FILENO : ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) fail(path_, errno);
-  if (path == "-" || !is_regular(descriptor_)) return;
-  try {
-    take(descriptor_, path_);
-    is_ours_ = true;
-  } catch (...) {
-    ::close(descriptor_);
-    throw;
-  }
+  descriptor_ = path == "-" ? STDOUT_FILENO : flies::open_exclusively(path, path);
+  is_ours_ = path != "-" && is_regular(descriptor_);
 }
 
 LineFile::~LineFile() {

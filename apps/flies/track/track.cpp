@@ -20,6 +20,7 @@
 #include "shared/camera_arguments.hpp"
 #include "shared/command_line.hpp"
 #include "shared/commands.hpp"
+#include "shared/end_on_signal.hpp"
 #include "shared/line_file.hpp"
 #include "shared/listed_options.hpp"
 #include "shared/method_arguments.hpp"
@@ -65,11 +66,25 @@ OutputClaims check_outputs(const TrackArguments& arguments) {
 class TrackOutputFiles {
  public:
   explicit TrackOutputFiles(const TrackArguments& arguments) {
-    if (!arguments.video.empty()) film_.emplace(arguments.video);
+    if (!arguments.video.empty()) {
+      film_.emplace(arguments.video);
+      outlive_readers();
+    }
     if (!arguments.json.empty()) json_.emplace(arguments.json);
     if (!arguments.kitti.empty()) kitti_.emplace(arguments.kitti);
     prints_ = (!film_ && !json_ && !kitti_) || arguments.json == "-" || arguments.kitti == "-";
   }
+
+  /// Of a run that another output ended, the film shows what came until then.
+  ~TrackOutputFiles() {
+    if (!film_ || is_committed_) return;
+    try {
+      film_->finish();
+    } catch (const flies::InputError&) {  // the fault that ended the run is told
+    }
+  }
+  TrackOutputFiles(const TrackOutputFiles&) = delete;
+  TrackOutputFiles& operator=(const TrackOutputFiles&) = delete;
 
   /// Whether results go where a progress bar would be drawn.
   bool use_the_terminal() const { return prints_; }
@@ -86,13 +101,14 @@ class TrackOutputFiles {
   }
   void commit() {
     if (film_) film_->finish();
+    is_committed_ = true;
   }
 
  private:
   std::optional<LineFile> json_, kitti_;
   std::optional<TimedFilm> film_;
   flies::TrackView view_;
-  bool prints_ = false;
+  bool prints_ = false, is_committed_ = false;
 };
 
 flies::Calibration calibration_of(const TrackArguments& arguments, const SequenceSource& source,

@@ -24,12 +24,6 @@ struct PartName {
   pid_t process = 0;
 };
 
-/// With its dot; empty when there is none.
-std::string_view extension_of(std::string_view name) {
-  const auto dot = name.rfind('.');
-  return dot == std::string_view::npos ? std::string_view() : name.substr(dot);
-}
-
 PartName parse(std::string_view name) {
   const auto mark = name.rfind(kMark);
   if (mark == std::string_view::npos || mark == 0) return {};
@@ -38,14 +32,13 @@ PartName parse(std::string_view name) {
   const char* const end = rest.data() + rest.size();
   auto [at, error] = std::from_chars(rest.data(), end, process);
   if (error != std::errc() || process <= 0) return {};
-  const std::string_view target = name.substr(0, mark);
-  if (at != end && std::string_view(at, end) != extension_of(target)) {
+  if (at != end) {
     unsigned number = 0;
     if (*at != '-') return {};
     const auto counted = std::from_chars(at + 1, end, number);
     if (counted.ec != std::errc() || counted.ptr != end) return {};
   }
-  return {std::string(target), process};
+  return {std::string(name.substr(0, mark)), process};
 }
 
 bool is_gone(pid_t process) { return ::kill(process, 0) != 0 && errno == ESRCH; }

@@ -87,6 +87,24 @@ TEST(Mcap, MessagesThatPackWellAreUnpacked) {
   EXPECT_TRUE(messages[0].data == data);
 }
 
+TEST(Mcap, OneRunAtATimeWritesARecording) {
+  const testing::TemporaryFolder folder;
+  const auto path = folder.file("t.mcap");
+  {
+    McapWriter writer(path, {{"/a", "A", "{}"}});
+    writer.write(0, 1, "{}");
+    EXPECT_THAT(
+        [&] {
+          McapWriter(path, {{"/b", "B", "{}"}});
+        },
+        ThrowsMessage<InputError>(HasSubstr("t.mcap: another run is writing it")));
+    writer.write(0, 2, "{}");
+    writer.close();
+  }
+  EXPECT_EQ(messages_of(path).size(), 2U);
+  EXPECT_NO_THROW(McapWriter(path, {{"/b", "B", "{}"}}));
+}
+
 TEST(Mcap, NoMessagesAreARecordingToo) {
   const testing::TemporaryFolder folder;
   write_some(folder.file("t.mcap"), 0);

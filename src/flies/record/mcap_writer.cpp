@@ -1,6 +1,5 @@
 #include "flies/record/mcap_writer.hpp"
 
-#include <fcntl.h>
 #include <unistd.h>
 #include <zstd.h>
 
@@ -13,6 +12,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/io/crc32.hpp"
+#include "flies/io/exclusive_file.hpp"
 #include "flies/record/mcap_records.hpp"
 
 namespace flies {
@@ -38,9 +38,10 @@ std::string compressed(std::string_view bytes) {
 }  // namespace
 
 McapWriter::McapWriter(const std::string& path, std::vector<McapChannel> channels)
-    : path_(path), channels_(std::move(channels)), sequences_(channels_.size(), 0) {
-  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) fail(errno);
+    : path_(path),
+      descriptor_(open_exclusively(path, path)),
+      channels_(std::move(channels)),
+      sequences_(channels_.size(), 0) {
   std::string header, begin(kMagic);
   put_text(header, "");  // no profile
   put_text(header, "flies");

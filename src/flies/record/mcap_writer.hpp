@@ -20,7 +20,7 @@ struct McapChannel {
 /// is written at once, so that a file whose writer was killed is readable up to its last whole chunk.
 class McapWriter {
  public:
-  /// @throws InputError naming the file when it cannot be created
+  /// @throws InputError naming the file when it cannot be created, or another run is writing it
   McapWriter(const std::string& path, std::vector<McapChannel> channels);
   /// Closes the file; what goes wrong then is lost: call `close`.
   ~McapWriter();

@@ -7,9 +7,10 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "flies/core/error.hpp"
-#include "flies/io/stale_parts.hpp"
+#include "flies/io/exclusive_file.hpp"
 #include "flies/io/unfinished_outputs.hpp"
 #include "flies/video/lazy_module.hpp"
 
@@ -28,21 +29,27 @@ Film::Film(const std::string& path, double rate_hz) : path_(path), rate_hz_(rate
   if (!fs::is_directory(folder, error)) throw InputError(path, "", "cannot be written: its folder does not exist");
   if (::access(folder.c_str(), W_OK) != 0)
     throw InputError(path, "", fmt::format("cannot be written: {}", std::strerror(errno)));
-  remove_stale_parts(path);
-  part_path_ = fmt::format("{}.part-{}.mp4", path, ::getpid());
+  part_path_ = path + ".part.mp4";
 }
 
 Film::~Film() {
   encoder_.reset();
-  if (size_.empty()) return;
+  if (lock_ < 0) return;
   ::unlink(part_path_.c_str());
+  release();
+}
+
+/// Of the part's name: from now on it may be another run's.
+void Film::release() {
   forget_unfinished_output(part_path_);
+  ::close(std::exchange(lock_, -1));
 }
 
 void Film::add(const cv::Mat& picture) {
   const cv::Size even(picture.cols / 2 * 2, picture.rows / 2 * 2);
   if (!encoder_) {
     const auto open = reinterpret_cast<OpenFilmFunction>(module_function("flies_video", kOpenFilmName));
+    lock_ = open_exclusively(part_path_, path_);
     note_unfinished_output(part_path_);
     size_ = even;
     encoder_.reset(open(part_path_, rate_hz_, size_));
@@ -65,6 +72,7 @@ void Film::commit() {
         fmt::format("cannot be written: {} of {} pictures got into the film; is the disk full?", written, pictures_));
   if (std::rename(part_path_.c_str(), path_.c_str()) != 0)
     throw InputError(path_, "", fmt::format("cannot be written: {}", std::strerror(errno)));
+  release();
 }
 
 }  // namespace flies

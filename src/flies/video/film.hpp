@@ -23,8 +23,10 @@ class FilmEncoder {
 using OpenFilmFunction = FilmEncoder* (*)(const std::string& path, double rate_hz, cv::Size size);
 inline constexpr const char* kOpenFilmName = "flies_open_film";
 
-/// An MP4 film (H.264 where FFmpeg has it, else MPEG-4) that appears under its name when it is complete; without
-/// `commit` nothing is left. The module that writes it is loaded for it.
+/// An MP4 film (H.264 where FFmpeg has it, else MPEG-4) that appears under its name when it is complete, until then it
+/// is
+/// `<name>.part.mp4`; without `commit` nothing is left. Only one run at a time may write it. The module that writes it
+/// is loaded for it.
 class Film {
  public:
   /// @param path   ends in .mp4
@@ -37,14 +39,18 @@ class Film {
 
   /// The first picture decides the film's size; a row or column too many for an even one is cut off.
   /// @param picture CV_8UC3, BGR, at least 2 x 2 px
-  /// @throws InputError when the film cannot be written or a picture has another size than the first
+  /// @throws InputError when the film cannot be written, another run is writing it, or a picture has another size than
+  /// the first
   void add(const cv::Mat& picture);
 
   /// Call it once, last. @throws InputError when the film cannot be put in its place, or pictures are not in it
   void commit();
 
  private:
+  void release();
+
   std::string path_, part_path_;
+  int lock_ = -1;  ///< descriptor that holds the part as ours, from the first picture on
   double rate_hz_;
   cv::Size size_;
   std::size_t pictures_ = 0;

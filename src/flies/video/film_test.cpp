@@ -2,8 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -64,14 +62,32 @@ TEST_F(FilmTest, LeavesNothingBehindUnlessItIsComplete) {
   EXPECT_EQ(files_in(folder), 0);
 }
 
-TEST_F(FilmTest, RemovesWhatAKilledRunLeft) {
+TEST_F(FilmTest, TakesOverWhatAKilledRunLeft) {
   const TemporaryFolder folder;
-  const pid_t killed = ::fork();
-  if (killed == 0) ::_exit(0);
-  ASSERT_EQ(::waitpid(killed, nullptr, 0), killed);
-  folder.write("film.mp4.part-" + std::to_string(killed) + ".mp4", "half");
-  const Film film(folder.file("film.mp4"), 10.0);
+  folder.write("film.mp4.part.mp4", "half");
+  {
+    Film film(folder.file("film.mp4"), 10.0);
+    film.add(cv::Mat(120, 160, CV_8UC3, cv::Scalar::all(90)));
+  }
   EXPECT_EQ(files_in(folder), 0);
+}
+
+TEST_F(FilmTest, IsWrittenByOneRunAtATime) {
+  const TemporaryFolder folder;
+  const cv::Mat picture(120, 160, CV_8UC3, cv::Scalar::all(90));
+  Film film(folder.file("film.mp4"), 10.0);
+  film.add(picture);
+  {
+    Film other(folder.file("film.mp4"), 10.0);
+    EXPECT_THAT(error_of([&] { other.add(picture); }), HasSubstr("film.mp4: another run is writing it"));
+  }
+  film.add(picture);
+  film.commit();
+  EXPECT_EQ(files_in(folder), 1);
+  Film next(folder.file("film.mp4"), 10.0);
+  next.add(picture);
+  next.commit();
+  EXPECT_EQ(files_in(folder), 1);
 }
 
 TEST_F(FilmTest, RefusesWhatItCannotBe) {
