@@ -280,10 +280,10 @@ TEST(Bags, WhatIsMissingIsNamed) {
   write_bag(folder.path() / "drive.bag", {.has_camera_info = false, .after = "cut"});
   EXPECT_THAT(track(folder, {}).err, HasSubstr("/rig/left/camera_info: is missing from what is whole of the file"));
 
-  write_bag(folder.path() / "drive.bag", {.encoding = "bayer_rggb8"});
-  const RunResult bayer = track(folder, {});
-  EXPECT_EQ(bayer.status, 2);
-  EXPECT_THAT(bayer.err, HasSubstr("drive.bag /rig/left/image_raw 0: encoding: found 'bayer_rggb8'"));
+  write_bag(folder.path() / "drive.bag", {.encoding = "32FC1"});
+  const RunResult floats = track(folder, {});
+  EXPECT_EQ(floats.status, 2);
+  EXPECT_THAT(floats.err, HasSubstr("drive.bag /rig/left/image_raw 0: encoding: found '32FC1'"));
 
   write_bag(folder.path() / "drive.bag", {.left = "/left", .right = "/right", .has_camera_info = false});
   const RunResult named_as_ours = track(folder, {});

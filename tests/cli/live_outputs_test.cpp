@@ -1,7 +1,7 @@
 // What becomes of the files of a run when another output of it ends early, or another run writes them.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -40,8 +40,7 @@ TEST_F(LiveOutputs, RecordingAndFilmAreClosedWellWhenTheReaderOfTheLinesGoesAway
 }
 
 TEST_F(LiveOutputs, TheFilmOfTrackIsToo) {
-  ASSERT_EQ(run({"beside.avi", "--calib", "calib.txt", "--loop", "--every-pair", "--pairs", "40", "--record",
-                 "r.mcap"})
+  ASSERT_EQ(run({"beside.avi", "--calib", "calib.txt", "--loop", "--every-pair", "--pairs", "40", "--record", "r.mcap"})
                 .status,
             0);
   const RunResult result =

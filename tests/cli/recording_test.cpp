@@ -66,37 +66,101 @@ std::string calibration_message(bool is_right) {
   const double shift = is_right ? -c.fx_px * c.baseline_m : 0.0;
   return json{{"width", c.width_px},
               {"height", c.height_px},
+              {"K", {c.fx_px, 0.0, c.cx_px, 0.0, c.fy_px, c.cy_px, 0.0, 0.0, 1.0}},
               {"P", {c.fx_px, 0.0, c.cx_px, shift, 0.0, c.fy_px, c.cy_px, 0.0, 0.0, 0.0, 1.0, 0.0}}}
       .dump();
 }
 
-/// A recording like ours, without chunks: a message for each topic.
-/// @param schema_name of all messages; empty: none
-void write_mcap(const std::filesystem::path& path, const std::vector<std::pair<std::string, std::string>>& messages,
-                const std::string& schema_name = {}) {
+struct JsonMessage {
+  std::string topic, text;
+  std::string schema_name = {};  ///< empty: none
+  std::uint64_t time_ns = kStart_ns;
+};
+
+/// A recording like ours, without chunks: a channel for each message.
+void write_mcap(const std::filesystem::path& path, const std::vector<JsonMessage>& messages,
+                const std::string& encoding = "json") {
   std::string bytes(mcap::kMagic);
-  if (!schema_name.empty()) {
-    std::string schema;
-    put_number(schema, 1, 2);
-    mcap::put_text(schema, schema_name);
-    mcap::put_record(bytes, mcap::Opcode::schema, schema);
-  }
   for (std::size_t i = 0; i < messages.size(); ++i) {
-    std::string channel, message;
+    std::string schema, channel, message;
+    if (!messages[i].schema_name.empty()) {
+      put_number(schema, i + 1, 2);
+      mcap::put_text(schema, messages[i].schema_name);
+      mcap::put_record(bytes, mcap::Opcode::schema, schema);
+    }
     put_number(channel, i, 2);
-    put_number(channel, schema_name.empty() ? 0U : 1U, 2);
-    mcap::put_text(channel, messages[i].first);
-    mcap::put_text(channel, "json");
+    put_number(channel, messages[i].schema_name.empty() ? 0U : i + 1, 2);
+    mcap::put_text(channel, messages[i].topic);
+    mcap::put_text(channel, encoding);
     put_number(channel, 0, 4);
     mcap::put_record(bytes, mcap::Opcode::channel, channel);
     put_number(message, i, 2);
     put_number(message, 0, 4);
-    put_number(message, kStart_ns, 8);
-    put_number(message, kStart_ns, 8);
-    mcap::put_record(bytes, mcap::Opcode::message, message + messages[i].second);
+    put_number(message, messages[i].time_ns, 8);
+    put_number(message, messages[i].time_ns, 8);
+    mcap::put_record(bytes, mcap::Opcode::message, message + messages[i].text);
   }
   mcap::put_record(bytes, mcap::Opcode::data_end, std::string(4, '\0'));
   std::ofstream(path, std::ios::binary) << bytes;
+}
+
+/// Of others: their own topics, with a stamp that is not the time at which they were recorded.
+TEST(FoxgloveRecordings, PicturesAreInPairsByTheirStampsAndCalibrationStandsBesideThem) {
+  const TestFolder folder;
+  const auto& [left, right] = street_pair();
+  std::vector<JsonMessage> messages;
+  for (const bool is_right : {false, true}) {
+    const std::string side = is_right ? "/cam/right/" : "/cam/left/";
+    messages.push_back({side + "calibration", calibration_message(is_right), "foxglove.CameraCalibration"});
+    for (std::uint64_t i = 0; i < 2; ++i) {
+      json picture = json::parse(picture_message(is_right ? right : left));
+      picture["frame_id"] = "timestamp";  // which is no stamp
+      picture["timestamp"] = {{"sec", 1'700'000'000U}, {"nsec", i * 100'000'000U}};
+      messages.push_back({side + "image", picture.dump(), "foxglove.CompressedImage",
+                          kStart_ns + i * 100'000'000U + (is_right ? 90'000'000U : 0U)});
+    }
+  }
+  write_mcap(folder.path() / "street.mcap", messages);
+  const RunResult result = run_flies(folder.path(), {"track", "street.mcap", "--camera-height", "1.65", "--json", "-"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  ASSERT_EQ(lines(result.out).size(), 2U);
+  EXPECT_EQ(json::parse(lines(result.out)[1]).at("time_s"), 0.1);
+  EXPECT_THAT(result.err, ::testing::Not(HasSubstr("apart")));
+  ASSERT_FALSE(json::parse(lines(result.out)[1]).at("obstacles").empty());
+  EXPECT_NEAR(json::parse(lines(result.out)[1])["obstacles"][0]["x_m"].get<double>(), kBoxX_m, 1.0);
+
+  messages[0].text = R"({"width": 320, "height": 240, "K": [1, 2]})";
+  write_mcap(folder.path() / "street.mcap", messages);
+  EXPECT_EQ(run_flies(folder.path(), {"track", "street.mcap"}).err,
+            "flies: street.mcap /cam/left/calibration: K: found 2 numbers, expected 9\n");
+}
+
+TEST(Recordings, ChannelsWithoutASchemaAreNamed) {
+  const TestFolder folder;
+  write_mcap(folder.path() / "street.mcap", {{"/left/image", "x"}}, "cdr");
+  const RunResult result = run_flies(folder.path(), {"track", "street.mcap"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("holds no pictures that are read; there are some of kinds that are not read: "
+                                    "/left/image (without a schema, in cdr): 1"));
+}
+
+TEST(Recordings, OtherSourcesAreToldTheirCommand) {
+  const TestFolder folder;
+  const auto fault_of = [&](const std::string& command, const std::string& source) {
+    const RunResult result = run_flies(folder.path(), {command, source});
+    EXPECT_EQ(result.status, 2);
+    return result.err;
+  };
+  for (const char* source : {"nothere", "nothere.db3"})
+    EXPECT_EQ(fault_of("track", source), std::string("flies: ") + source + ": does not exist\n");
+  write_text(folder.path() / "both.mp4", "a film");
+  EXPECT_THAT(fault_of("track", "both.mp4"), HasSubstr("both.mp4: is a file, expected a recording (.mcap, .bag) or a "
+                                                       "folder; films are for flies live"));
+  write_bag(folder.path() / "a.bag");
+  EXPECT_THAT(fault_of("live", "a.bag"), HasSubstr("a.bag: is a recording"));
+  std::filesystem::create_directory(folder.path() / "rosbag2");
+  write_bag(folder.path() / "rosbag2/a.bag");
+  EXPECT_THAT(fault_of("live", "rosbag2"), HasSubstr("`flies track` reads it"));
 }
 
 TEST(OwnRecordings, FaultsOfTheirCalibrationAreNamed) {
@@ -120,7 +184,8 @@ TEST(OwnRecordings, FaultsOfTheirCalibrationAreNamed) {
     EXPECT_THAT(run_flies(folder.path(), words).err,
                 HasSubstr("street.mcap: " + option[0] + ": is for a calibration file (--calib)"));
   }
-  write_mcap(folder.path() / "street.mcap", {{"/left", "x"}, {"/right", "x"}}, "foxglove.RawImage");
+  write_mcap(folder.path() / "street.mcap",
+             {{"/left", "x", "foxglove.RawImage"}, {"/right", "x", "foxglove.RawImage"}});
   const RunResult unread = run_flies(folder.path(), {"track", "street.mcap"});
   EXPECT_EQ(unread.status, 2);
   EXPECT_THAT(unread.err, HasSubstr("street.mcap: holds no pictures that are read; there are some of kinds that are "

@@ -24,7 +24,8 @@ struct Topics {
   std::string left = "/rig/left/image_raw", right = "/rig/right/image_raw";
   bool has_camera_info = true, has_camera_size = true;
   std::string encoding = "mono8";
-  double level_factor = 1.0;                             ///< of the grey levels of mono16
+  double level_factor = 1.0;  ///< of the grey levels of mono16
+  std::uint64_t right_delay_ns = 1'000'000U;
   bool has_left_twice = false;                           ///< the left camera gives another picture 3 ms after each
   std::optional<std::uint64_t> stamp_ns = std::nullopt;  ///< of all pictures; nothing: their own times
   double baseline_factor = 1.0;                          ///< of the baseline that the camera_info has
@@ -37,7 +38,7 @@ inline std::string pixels_of(const cv::Mat& image) {
   return {reinterpret_cast<const char*>(image.data), image.total() * image.elemSize()};
 }
 
-/// A camera that stands before a street; the right pictures come 1 ms after the left ones.
+/// A camera that stands before a street; the right pictures come a little after the left ones.
 inline void write_bag(const std::filesystem::path& path, const Topics& topics = {}) {
   const StereoCamera camera = street_camera();
   auto [left, right] = street_pair();
@@ -57,7 +58,7 @@ inline void write_bag(const std::filesystem::path& path, const Topics& topics = 
       records += BagBytes::message({connection, picture_ns, data});
     };
     image(0, left, time_ns);
-    image(1, right, time_ns + 1'000'000U);
+    image(1, right, time_ns + topics.right_delay_ns);
     if (topics.has_left_twice) image(0, left, time_ns + 3'000'000U);
     for (const std::uint32_t connection : {2U, 3U}) {
       if (!topics.has_camera_info) break;

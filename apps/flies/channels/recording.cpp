@@ -11,8 +11,10 @@
 #include "channels/recorded_topics.hpp"
 #include "flies/core/base64.hpp"
 #include "flies/core/error.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/io/gray_levels.hpp"
 #include "flies/record/ros_calibration.hpp"
+#include "flies/video/pair_stream.hpp"
 
 namespace {
 
@@ -35,9 +37,27 @@ bool is_picture_in_json(const flies::RecordedMessage& message) {
   return message.topic == topic_of(Channel::left) || message.topic == topic_of(Channel::right);
 }
 
+/// The stamp of a message of Foxglove in JSON; 0 where it has none. Only this member is read, for pictures are long;
+/// their data, in base64, hold no quotes.
+std::uint64_t json_stamp_ns(std::string_view message) {
+  constexpr std::string_view kName = "\"timestamp\"";
+  for (auto at = message.find(kName); at != message.npos; at = message.find(kName, at + 1)) {
+    const auto colon = message.find_first_not_of(" \t\r\n", at + kName.size());
+    if (colon == message.npos || message[colon] != ':') continue;
+    const auto end = message.find('}', colon);
+    const Json stamp = Json::parse(message.substr(colon + 1, end - colon), nullptr, false);
+    const auto part = [&](const char* name) {
+      return stamp.is_object() && stamp.contains(name) && stamp[name].is_number_unsigned()
+                 ? stamp[name].get<std::uint64_t>()
+                 : 0;
+    };
+    return part("sec") * 1'000'000'000U + part("nsec");
+  }
+  return 0;
+}
+
 /// When a picture was taken; of a camera that does not say, when it was recorded.
-std::uint64_t picture_time_ns(const flies::RecordedMessage& message, const std::string& name) {
-  const std::uint64_t stamp_ns = flies::ros_stamp_ns(message, name);
+std::uint64_t picture_time_ns(const flies::RecordedMessage& message, std::uint64_t stamp_ns) {
   return stamp_ns == 0 ? message.time_ns : stamp_ns;
 }
 
@@ -128,22 +148,33 @@ void Recording::read(const flies::RecordedMessage& message) {
   switch (flies::ros_type(message)) {
     case flies::RosType::image:
     case flies::RosType::compressed_image:
-      add_picture(message, picture_time_ns(message, name));
-      return;
+      return read_ros_picture(message, name);
     case flies::RosType::camera_info:
-      if (!camera_infos_.contains(message.topic)) camera_infos_[message.topic] = flies::ros_camera_info(message, name);
-      return;
+      return calibrations_.read_ros(message, name);
     case flies::RosType::other:
       break;
   }
   if (is_picture_in_json(message)) {
-    add_picture(message, message.time_ns);
+    add_picture(message, picture_time_ns(message, json_stamp_ns(message.data)));
     has_own_pictures_ |= message.topic == topic_of(Channel::left);
   } else if (is_of_pictures(message.schema_name)) {
     ++unread_[fmt::format("{} ({} in {})", message.topic, message.schema_name, message.encoding)];
   } else if (message.encoding == "json") {
+    if (message.schema_name == "foxglove.CameraCalibration") calibrations_.read_foxglove(message, name);
     own_.read(message, path_);
+  } else if (message.schema_name.empty()) {
+    ++unread_[fmt::format("{} (without a schema, in {})", message.topic, message.encoding)];
   }
+}
+
+void Recording::read_ros_picture(const flies::RecordedMessage& message, const std::string& name) {
+  const std::string format = flies::ros_picture_format(message, name);
+  if (format.find("compressedDepth") != format.npos) {
+    ++unread_[fmt::format("{} (compressedDepth)", message.topic)];
+    return;
+  }
+  if (flies::ros_bayer_pattern(format)) mosaics_.try_emplace(message.topic, format);
+  add_picture(message, picture_time_ns(message, flies::ros_stamp_ns(message, name)));
 }
 
 void Recording::add_picture(const flies::RecordedMessage& message, std::uint64_t time_ns) {
@@ -201,15 +232,24 @@ void Recording::choose_topics(const std::optional<std::array<std::string, 2>>& t
 /// Two pictures are a pair when each is the nearest to the other, as images of two folders are.
 void Recording::pair_up() {
   const Pictures &left = pictures_[left_], &right = pictures_[right_];
+  std::vector<double> distances_s, skews_s;
+  std::size_t number = 0;
   for (const auto& [time_ns, place] : left) {
     const auto& [right_ns, right_place] = *nearest(right, time_ns);
     const std::uint64_t skew_ns = std::max(time_ns, right_ns) - std::min(time_ns, right_ns);
-    if (skew_ns <= kMaxSkew_ns && nearest(left, right_ns)->first == time_ns)
-      pairs_.push_back({time_ns, place, right_place});
+    distances_s.push_back(1e-9 * static_cast<double>(skew_ns));
+    if (skew_ns <= kMaxSkew_ns && nearest(left, right_ns)->first == time_ns) {
+      pairs_.push_back({time_ns, number, place, right_place});
+      skews_s.push_back(distances_s.back());
+    }
+    ++number;
   }
   if (pairs_.empty())
-    complain(fmt::format("holds no pairs: no pictures of {} and {} are within {} ms of each other", left_, right_,
-                         kMaxSkew_ns / 1'000'000));
+    complain(
+        fmt::format("holds no pairs: no pictures of {} and {} are within {} ms of each other; they are {:.4g} ms "
+                    "apart (median)",
+                    left_, right_, kMaxSkew_ns / 1'000'000, 1e3 * flies::upper_median(distances_s)));
+  if (const auto note = flies::skew_note(skews_s)) notes_.push_back(fmt::format("{}: {}", path_, *note));
 }
 
 /// Tells which pictures of a topic were left out, and why.
@@ -219,6 +259,9 @@ void Recording::note_losses(const std::string& topic) {
   if (const auto found = replaced_.find(topic); found != replaced_.end())
     notes_.push_back(
         fmt::format("{}: {} pictures of {} are left out: later ones have their times", path_, found->second, topic));
+  if (const auto found = mosaics_.find(topic); found != mosaics_.end())
+    notes_.push_back(fmt::format("{}: pictures of {} are mosaics of colours ({}), which grey is made of", path_, topic,
+                                 found->second));
   if (const auto found = faults_.find(topic); found != faults_.end())
     notes_.push_back(fmt::format("{}: {} messages of {} are left out: they cannot be read; the first: {}", path_,
                                  found->second.count, topic, found->second.first.what()));
@@ -252,14 +295,12 @@ flies::GrayPair Recording::pair(std::size_t pair) const {
 }
 
 const flies::RosCameraInfo& Recording::camera_info(const std::string& topic) const {
-  const auto found = camera_infos_.find(topic);
-  if (found != camera_infos_.end()) return found->second;
+  if (const auto* found = calibrations_.find(topic)) return *found;
   throw_fault_of(topic);
-  std::vector<std::string> names;
-  for (const auto& [name, info] : camera_infos_) names.push_back(name);
+  const auto names = calibrations_.topics();
   throw flies::InputError(path_, topic,
                           fmt::format("is missing{}, so the calibration is not known; give it by --calib; topics with "
-                                      "a camera_info: {}",
+                                      "a calibration: {}",
                                       is_whole() ? "" : " from what is whole of the file, which is cut off or damaged",
                                       names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
@@ -275,13 +316,16 @@ flies::Calibration Recording::calibration(const CameraArguments& arguments, cons
     throw_fault_of(*missing);
     throw flies::InputError(path_, *missing, "is missing");
   }
-  const auto& left = camera_info(camera_info_topic(left_));
-  const auto& right = camera_info(camera_info_topic(right_));
+  const std::array topics = {calibrations_.topic_of(left_), calibrations_.topic_of(right_)};
+  const auto& left = camera_info(topics[0]);
+  const auto& right = camera_info(topics[1]);
   flies::CalibrationRequest request = calibration_request(arguments, left_, right_, images);
   request.images_are_raw |=
       !is_called_rectified(left_) && !(flies::is_rectified_by_nature(left) && flies::is_rectified_by_nature(right));
   flies::Calibration calibration = flies::ros_calibration(left, right, request, path_);
   calibration.left_name = left_;
   calibration.right_name = right_;
+  for (const auto& topic : topics)
+    if (const auto note = calibrations_.change_note(topic)) calibration.notes.push_back({*note});
   return calibration;
 }

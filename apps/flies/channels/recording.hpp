@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "channels/own_calibration.hpp"
+#include "channels/recorded_calibrations.hpp"
 #include "flies/core/error.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/gray_image.hpp"
@@ -17,8 +18,8 @@
 #include "shared/camera_arguments.hpp"
 
 /// The pairs of a recording with its calibration: an MCAP file as `flies live --record` writes it (messages in JSON of
-/// Foxglove's CompressedImage, CameraCalibration and FrameTransform), or of ROS 2 (CDR), or a bag of ROS 1, with two
-/// topics of pictures and their camera_info.
+/// Foxglove's CompressedImage, CameraCalibration and FrameTransform), or others write such, or of ROS 2 (CDR), or a bag
+/// of ROS 1, with two topics of pictures and their calibration.
 class Recording {
  public:
   /// Reads the file once, to know what is where.
@@ -29,6 +30,9 @@ class Recording {
   std::size_t size() const { return pairs_.size(); }
   double time_s(std::size_t pair) const;  ///< since the first pair
   std::string name(std::size_t pair, bool is_right) const;
+  /// Of a pair's left picture among all left ones, those without a partner too; from 0.
+  std::size_t left_number(std::size_t pair) const { return pairs_[pair].left_number; }
+  std::size_t left_count() const { return pictures_.at(left_).size(); }
 
   /// @throws InputError naming the file and the pair when a picture is damaged
   flies::GrayPair pair(std::size_t pair) const;
@@ -43,6 +47,7 @@ class Recording {
  private:
   struct Pair {
     std::uint64_t time_ns = 0;
+    std::size_t left_number = 0;
     flies::MessagePlace left, right;
   };
   /// Of one topic of pictures by their times.
@@ -67,6 +72,7 @@ class Recording {
   std::string picture_topics() const;
   std::string unread_topics() const;
   const flies::RosCameraInfo& camera_info(const std::string& topic) const;
+  void read_ros_picture(const flies::RecordedMessage& message, const std::string& name);
   cv::Mat picture(const flies::MessagePlace& place, const std::string& name) const;
   bool is_our_own() const;
 
@@ -77,7 +83,8 @@ class Recording {
   std::map<std::string, Faults> faults_;         ///< of the topics that have some
   std::optional<Faults> damaged_;                ///< parts of the file that were passed over
   std::map<std::string, std::size_t> unread_;    ///< messages with pictures of kinds that are not read, by their topics
-  std::map<std::string, flies::RosCameraInfo> camera_infos_;
+  std::map<std::string, std::string> mosaics_;   ///< topics of mosaics of colours, and how these say that they are some
+  RecordedCalibrations calibrations_;
   std::string left_, right_;  ///< the topics
   std::vector<Pair> pairs_;
   OwnCalibration own_;

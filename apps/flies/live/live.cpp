@@ -30,6 +30,7 @@
 #include "shared/notes.hpp"
 #include "shared/output_claims.hpp"
 #include "shared/pair_arguments.hpp"
+#include "shared/recording_file.hpp"
 #include "shared/sequence_source.hpp"
 
 namespace {
@@ -72,9 +73,17 @@ int port_number(const std::string& text, const std::string& option) {
   return static_cast<int>(port);
 }
 
+[[noreturn]] void refuse_recording(const std::string& path) {
+  throw flies::InputError(path, "",
+                          "is a recording, expected a camera, a film or folders of images; `flies track` reads it");
+}
+
 /// Folders become lists of pairs with their times.
 void open_folders(LiveArguments& arguments, OutputClaims& claims) {
-  if (!flies::detail::is_there_as_folder(arguments.sources.front())) {
+  const std::string& first = arguments.sources.front();
+  if (flies::detail::is_there(first) && !flies::detail::is_there_as_folder(first) && recording_of(first))
+    refuse_recording(first);
+  if (!flies::detail::is_there_as_folder(first)) {
     if (!arguments.times.empty())
       throw flies::InputError("command line", "--times",
                               "is for folders of images; other sources have their own times");
@@ -89,6 +98,7 @@ void open_folders(LiveArguments& arguments, OutputClaims& claims) {
   if (!arguments.camera.cameras.empty())
     request.cameras = std::array{arguments.camera.cameras[0], arguments.camera.cameras[1]};
   SequenceSource sequence = open_sequence(request);
+  if (sequence.recording) refuse_recording(first);
   claims.reads(sequence.pairs);
   claims.reads(sequence.files);
   say_notes(sequence.notes);

@@ -60,6 +60,6 @@ std::optional<std::string> recording_of(const std::string& source) {
   if (flies::detail::is_there_as_folder(source)) return recording_in(source);
   if (fs::path(source).filename() == "metadata.yaml")
     return recording_in(fs::absolute(source).lexically_normal().parent_path());
-  refuse_other_kinds(source);
+  if (flies::detail::is_there(source)) refuse_other_kinds(source);
   return is_read(source) ? std::optional(source) : std::nullopt;
 }

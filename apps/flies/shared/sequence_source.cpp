@@ -123,6 +123,24 @@ void doubt_slow_times(const std::string& file, const std::vector<double>& times_
                   file, shortest_s, unit));
 }
 
+/// The times of a file for a recording: one a pair, or one a left picture, those without a partner too.
+std::vector<double> times_of(const std::string& file, const Recording& recording, std::vector<std::string>& notes) {
+  const auto times_s = flies::read_time_stamps(file);
+  const std::size_t count = recording.size(), held = times_s.size();
+  if (held == count) return times_s;
+  const std::size_t pictures = recording.left_count();
+  if (held != pictures)
+    throw flies::InputError(file, "",
+                            fmt::format("holds {} times, expected {}, one a pair{}", held, count,
+                                        pictures == count ? "" : fmt::format(", or {}, one a left picture", pictures)));
+  std::vector<double> chosen_s;
+  for (std::size_t i = 0; i < count; ++i)
+    chosen_s.push_back(times_s[recording.left_number(i)] - times_s[recording.left_number(0)]);
+  notes.push_back(
+      fmt::format("{}: holds {} times for {} pairs, taken by the numbers of the left pictures", file, held, count));
+  return chosen_s;
+}
+
 /// Times in the names of the pairs, seconds since the first; nothing when they have none, or do not ascend.
 std::optional<std::vector<double>> named_times(const std::vector<flies::PairPaths>& pairs) {
   auto times_s = flies::times_in_names(left_images(pairs));
@@ -211,6 +229,10 @@ SequenceSource open_sequence(const SequenceRequest& request) {
   } else if (request.sources.size() == 1) {
     const fs::path drive = request.sources[0];
     const auto [left, right] = cameras_of(drive, request);
+    if (!flies::detail::is_there(drive)) throw flies::InputError(request.sources[0], "", "does not exist");
+    if (!flies::detail::is_there_as_folder(drive))
+      throw flies::InputError(request.sources[0], "",
+                              "is a file, expected a recording (.mcap, .bag) or a folder; films are for flies live");
     if (!is_drive(drive, request))
       throw flies::InputError(request.sources[0], "",
                               "is no KITTI raw drive (image_00/data and image_01/data), no folder of flies synth "
@@ -229,7 +251,8 @@ SequenceSource open_sequence(const SequenceRequest& request) {
   source.files.insert(source.files.end(), {own_times, source.calib});
 
   if (!request.times.empty()) {
-    source.times_s = times_of(request.times, source.pairs, source.notes);
+    source.times_s = source.recording ? times_of(request.times, *source.recording, source.notes)
+                                      : times_of(request.times, source.pairs, source.notes);
     doubt_slow_times(request.times, source.times_s, source.notes);
     if (request.rate_hz)
       source.notes.push_back(fmt::format("times are those in {} (--times), instead of {:.4g} pairs a second (--rate)",

@@ -84,8 +84,9 @@ struct PixelFormat {
   std::string_view encoding;
   int type;        ///< of OpenCV
   int conversion;  ///< to grey; -1: is grey
+  std::optional<BayerPattern> mosaic = {};
 };
-constexpr std::array<PixelFormat, 19> kFormats = {{{"mono8", CV_8UC1, -1},
+constexpr std::array<PixelFormat, 22> kFormats = {{{"mono8", CV_8UC1, -1},
                                                    {"8UC1", CV_8UC1, -1},
                                                    {"rgb8", CV_8UC3, cv::COLOR_RGB2GRAY},
                                                    {"bgr8", CV_8UC3, cv::COLOR_BGR2GRAY},
@@ -103,7 +104,23 @@ constexpr std::array<PixelFormat, 19> kFormats = {{{"mono8", CV_8UC1, -1},
                                                    {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2},
                                                    {"yuyv", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2},
                                                    {"yuv422", CV_8UC2, cv::COLOR_YUV2GRAY_UYVY},
-                                                   {"uyvy", CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}}};
+                                                   {"uyvy", CV_8UC2, cv::COLOR_YUV2GRAY_UYVY},
+                                                   {"nv12", CV_8UC1, -1},  // colours follow behind the grey rows
+                                                   {"nv21", CV_8UC1, -1},
+                                                   {"nv24", CV_8UC1, -1}}};
+
+/// @throws InputError naming the message when it is not read
+PixelFormat format_of(const std::string& encoding, const std::string& name) {
+  if (const auto pattern = ros_bayer_pattern(encoding))
+    return {encoding, encoding.ends_with("16") ? CV_16UC1 : CV_8UC1, -1, pattern};
+  const auto* format = std::ranges::find(kFormats, std::string_view(encoding), &PixelFormat::encoding);
+  if (format != kFormats.end()) return *format;
+  std::vector<std::string_view> known;
+  for (const auto& one : kFormats) known.push_back(one.encoding);
+  throw InputError(
+      name, "encoding",
+      fmt::format("found '{}', expected {}, or bayer_rggb8 and the like", encoding, fmt::join(known, ", ")));
+}
 
 cv::Mat plain_picture(RosFields& fields, const std::string& name) {
   const auto height = fields.number<std::uint32_t>(), width = fields.number<std::uint32_t>();
@@ -111,19 +128,14 @@ cv::Mat plain_picture(RosFields& fields, const std::string& name) {
   const bool is_big_endian = fields.number<std::uint8_t>() != 0;
   const auto step = fields.number<std::uint32_t>();
   const std::string_view data = fields.byte_list();
-  const auto* format = std::ranges::find(kFormats, std::string_view(encoding), &PixelFormat::encoding);
-  if (format == kFormats.end()) {
-    std::vector<std::string_view> known;
-    for (const auto& one : kFormats) known.push_back(one.encoding);
-    throw InputError(name, "encoding", fmt::format("found '{}', expected {}", encoding, fmt::join(known, ", ")));
-  }
-  const auto pixel_bytes = static_cast<std::uint64_t>(CV_ELEM_SIZE(format->type));
+  const PixelFormat format = format_of(encoding, name);
+  const auto pixel_bytes = static_cast<std::uint64_t>(CV_ELEM_SIZE(format.type));
   if (width == 0 || height == 0 || width > kMaxSide_px || height > kMaxSide_px || step < width * pixel_bytes ||
       data.size() < std::uint64_t{step} * (height - 1) + width * pixel_bytes)
     throw InputError(name, "data",
                      fmt::format("found {} bytes and rows of {}, too few for {} x {} px of {}", data.size(), step,
                                  width, height, encoding));
-  cv::Mat pixels(static_cast<int>(height), static_cast<int>(width), format->type);
+  cv::Mat pixels(static_cast<int>(height), static_cast<int>(width), format.type);
   for (int v = 0; v < pixels.rows; ++v)
     std::memcpy(pixels.ptr(v), data.data() + static_cast<std::size_t>(v) * step, width * pixel_bytes);
   if (is_big_endian && pixels.depth() == CV_16U) {
@@ -131,8 +143,9 @@ cv::Mat plain_picture(RosFields& fields, const std::string& name) {
     for (auto level = levels.begin<std::uint16_t>(); level != levels.end<std::uint16_t>(); ++level)
       *level = static_cast<std::uint16_t>(*level << 8 | *level >> 8);
   }
+  if (format.mosaic) return demosaiced(pixels, *format.mosaic);
   cv::Mat gray = pixels;
-  if (format->conversion >= 0) cv::cvtColor(pixels, gray, format->conversion);
+  if (format.conversion >= 0) cv::cvtColor(pixels, gray, format.conversion);
   return gray;
 }
 
@@ -166,6 +179,24 @@ RosType ros_type(const RecordedMessage& message) {
 
 std::uint64_t ros_stamp_ns(const RecordedMessage& message, const std::string& name) {
   return RosFields(message, name).header();
+}
+
+std::string ros_picture_format(const RecordedMessage& message, const std::string& name) {
+  RosFields fields(message, name);
+  fields.header();
+  if (ros_type(message) == RosType::image) {
+    fields.number<std::uint32_t>();  // height
+    fields.number<std::uint32_t>();  // width
+  }
+  return fields.text();
+}
+
+std::optional<BayerPattern> ros_bayer_pattern(std::string_view format) {
+  constexpr std::string_view kMosaic = "bayer_";
+  if (!format.starts_with(kMosaic) || !(format.ends_with("8") || format.ends_with("16"))) return std::nullopt;
+  format.remove_prefix(kMosaic.size());
+  format.remove_suffix(format.ends_with("8") ? 1 : 2);
+  return bayer_pattern_of(std::string(format));
 }
 
 cv::Mat ros_picture(const RecordedMessage& message, const std::string& name) {

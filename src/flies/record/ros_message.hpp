@@ -2,15 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "flies/io/mosaic.hpp"
 #include "flies/record/recorded_message.hpp"
-
-namespace cv {
-class Mat;
-}
 
 namespace flies {
 
@@ -25,9 +23,17 @@ RosType ros_type(const RecordedMessage& message);
 /// @throws InputError when the message ends before its stamp
 std::uint64_t ros_stamp_ns(const RecordedMessage& message, const std::string& name);
 
+/// How the picture of an image message is encoded, as it says itself: "mono8", "bayer_rggb8"; of a CompressedImage its
+/// format, such as "bgr8; jpeg compressed bgr8".
+/// @throws InputError when the message ends too early
+std::string ros_picture_format(const RecordedMessage& message, const std::string& name);
+
+/// The pattern of a mosaic of colours; nothing of other formats.
+std::optional<BayerPattern> ros_bayer_pattern(std::string_view format);
+
 /// The picture of an image message: grey levels of 8 or 16 bits, for `pair_of_levels`. Image: mono, rgb, bgr, rgba and
-/// bgra of 8 or 16 bits, 8UC1, 8UC3, 8UC4, 16UC1, 16UC3, yuv422 (uyvy) and yuv422_yuy2 (yuyv). CompressedImage: JPEG or
-/// PNG.
+/// bgra of 8 or 16 bits, 8UC1, 8UC3, 8UC4, 16UC1, 16UC3, yuv422 (uyvy), yuv422_yuy2 (yuyv), nv12, nv21, nv24 and Bayer
+/// mosaics of 8 or 16 bits. CompressedImage: JPEG or PNG.
 /// @throws InputError naming the message: another encoding, too few bytes, a damaged picture
 cv::Mat ros_picture(const RecordedMessage& message, const std::string& name);
 
@@ -48,6 +54,7 @@ struct RosCameraInfo {
   /// The part of the images that was given; 0 x 0: all.
   struct Window {
     int x_px = 0, y_px = 0, width_px = 0, height_px = 0;
+    bool operator==(const Window&) const = default;
   } window;
 };
 

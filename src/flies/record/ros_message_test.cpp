@@ -76,6 +76,27 @@ TEST_P(RosMessage, PicturesBecomeGrey) {
   }
 }
 
+TEST_P(RosMessage, MosaicsBecomeGreyByTheirOwnPattern) {
+  const bool is_cdr = GetParam();
+  constexpr int kSide = 8;
+  std::string red;  // on every second pixel of every second row, from the first on
+  for (int i = 0; i < kSide * kSide; ++i) red.push_back(i % 2 == 0 && i / kSide % 2 == 0 ? '\xC8' : '\0');
+  const auto middle = [&](const char* encoding) {
+    const auto data = testing::ros_image(is_cdr, 1, kSide, kSide, encoding, kSide, red);
+    return static_cast<int>(ros_picture(message_of(is_cdr, "Image", data), "m").at<std::uint8_t>(4, 4));
+  };
+  EXPECT_NEAR(middle("bayer_rggb8"), 0.299 * 200, 1.0);  // ITU-R BT.601
+  EXPECT_NEAR(middle("bayer_bggr8"), 0.114 * 200, 1.0);
+  EXPECT_EQ(ros_bayer_pattern("bayer_gbrg16"), BayerPattern::gbrg);
+  EXPECT_EQ(ros_bayer_pattern("bayer_gbrg8; jpeg compressed bgr8"), std::nullopt) << "colours already";
+}
+
+TEST_P(RosMessage, OfPlanesTheGreyOneCounts) {
+  const bool is_cdr = GetParam();
+  const auto data = testing::ros_image(is_cdr, 1, 2, 2, "nv21", 2, std::string("\x01\x02\x03\x04\x80\x80", 6));
+  EXPECT_THAT(levels_of(ros_picture(message_of(is_cdr, "Image", data), "m")), ElementsAre(1, 2, 3, 4));
+}
+
 TEST_P(RosMessage, PicturesOf16BitsKeepThem) {
   const bool is_cdr = GetParam();
   const auto deep = [&](const char* encoding, bool is_big_endian, const std::string& bytes) {
@@ -99,8 +120,10 @@ TEST_P(RosMessage, WhatCannotBeReadIsNamed) {
   const auto picture = [&](const char* encoding, int step, const std::string& bytes) {
     ros_picture(message_of(is_cdr, "Image", testing::ros_image(is_cdr, 1, 2, 2, encoding, step, bytes)), "f.bag /l 3");
   };
-  EXPECT_THAT([&] { picture("bayer_rggb8", 2, "abcd"); },
-              ThrowsMessage<InputError>(HasSubstr("f.bag /l 3: encoding: found 'bayer_rggb8', expected mono8")));
+  for (const char* encoding : {"32FC1", "bayer_rggb12", "bayer_abcd8"})
+    EXPECT_THAT([&] { picture(encoding, 2, "abcd"); },
+                ThrowsMessage<InputError>(
+                    HasSubstr(std::string("f.bag /l 3: encoding: found '") + encoding + "', expected mono8")));
   EXPECT_THAT([&] { picture("mono8", 2, "abc"); },
               ThrowsMessage<InputError>(HasSubstr("f.bag /l 3: data: found 3 bytes")));
   EXPECT_THAT([&] { picture("mono8", 1, "abcd"); }, ThrowsMessage<InputError>(HasSubstr("rows of 1")));

@@ -118,6 +118,15 @@ GrayPair split_picture(const GrayImage& both, PairLayout layout, const std::stri
   return pair;
 }
 
+std::optional<std::string> skew_note(const std::vector<double>& skews_s) {
+  const double median_s = upper_median(skews_s);
+  if (median_s < kSkewMatters_s) return std::nullopt;
+  return fmt::format(
+      "left and right pictures are {:.1f} ms apart (median of {}): what moves, and all when the camera "
+      "moves, gets a wrong range; a common trigger helps",
+      1e3 * median_s, skews_s.size());
+}
+
 PairStream::PairStream(const PairStreamRequest& request, const Tell& tell)
     : PairStream(request, openers(request), tell) {}
 
@@ -244,13 +253,10 @@ void PairStream::watch_skew(double skew_s) {
   if (skew_told_) return;
   skews_s_.push_back(std::abs(skew_s));
   if (skews_s_.size() < kSkewsToJudge) return;
-  const double median_s = upper_median(std::exchange(skews_s_, {}));
-  if (median_s < kSkewMatters_s) return;
+  const auto note = skew_note(std::exchange(skews_s_, {}));
+  if (!note) return;
   skew_told_ = true;
-  tell_(
-      fmt::format("left and right pictures are {:.1f} ms apart (median of {}): what moves, and all when the camera "
-                  "moves, gets a wrong range; a common trigger helps",
-                  1e3 * median_s, kSkewsToJudge));
+  tell_(*note);
 }
 
 void PairStream::tell_unpaired(double skew_s) {

@@ -53,6 +53,10 @@ struct PairStreamCounts {
 /// @throws InputError naming `source` when they would differ in size
 GrayPair split_picture(const GrayImage& both, PairLayout layout, const std::string& source);
 
+/// What is told of pairs whose pictures are typically too far apart in time for what moves; nothing where they are not.
+/// @param skews_s without sign; at least one
+std::optional<std::string> skew_note(const std::vector<double>& skews_s);
+
 /// Pairs of whatever gives them, as they come: see `FrameStream` for what happens to sources that fail. Use it from one
 /// thread.
 class PairStream {
