@@ -40,10 +40,11 @@ struct OddBags : ::testing::Test {
 std::string camera_infos(std::uint64_t time_ns, double focal_factor) {
   const StereoCamera c = street_camera();
   const double focal_px = focal_factor * c.fx_px;
-  return BagBytes::message({2, time_ns, ros_camera_info(false, c.width_px, c.height_px, focal_px, 0.0, {}, c.cx_px,
-                                                        c.cy_px)}) +
-         BagBytes::message({3, time_ns, ros_camera_info(false, c.width_px, c.height_px, focal_px,
-                                                        -focal_px * c.baseline_m, {}, c.cx_px, c.cy_px)});
+  return BagBytes::message(
+             {2, time_ns, ros_camera_info(false, c.width_px, c.height_px, focal_px, 0.0, {}, c.cx_px, c.cy_px)}) +
+         BagBytes::message({3, time_ns,
+                            ros_camera_info(false, c.width_px, c.height_px, focal_px, -focal_px * c.baseline_m, {},
+                                            c.cx_px, c.cy_px)});
 }
 
 TEST_F(OddBags, PicturesThatAreApartInTimeAreTold) {
@@ -65,10 +66,12 @@ TEST_F(OddBags, DepthBesidePicturesIsPassedOver) {
     depth += BagBytes::message({id++, kStart_ns, message});
   }
   sees_the_box(track({.before = depth}));
-  const RunResult named = track({.before = depth}, {"--topics", "/rig/left/image_raw/compressedDepth,"
-                                                                "/rig/right/image_raw/compressedDepth"});
+  const RunResult named = track({.before = depth}, {"--topics",
+                                                    "/rig/left/image_raw/compressedDepth,"
+                                                    "/rig/right/image_raw/compressedDepth"});
   EXPECT_EQ(named.status, 2);
-  EXPECT_THAT(named.err, HasSubstr("of kinds that are not read: /rig/left/image_raw/compressedDepth (compressedDepth)"));
+  EXPECT_THAT(named.err,
+              HasSubstr("of kinds that are not read: /rig/left/image_raw/compressedDepth (compressedDepth)"));
 }
 
 TEST_F(OddBags, CalibrationThatChangesIsTold) {

@@ -101,7 +101,8 @@ std::optional<std::string> RecordedCalibrations::change_note(const std::string& 
   const auto found = by_topic_.find(topic);
   if (found == by_topic_.end() || !found->second.other) return std::nullopt;
   const auto& [first, other] = found->second;
-  return fmt::format("{} changes in mid-recording: {} (focal length {:g} px, then {:g} px); the first counts for all pairs, and the "
-                     "ranges of later ones may be wrong",
-                     topic, fmt::join(differences(first, *other), ", "), first.projection[0], other->projection[0]);
+  return fmt::format(
+      "{} changes in mid-recording: {} (focal length {:g} px, then {:g} px); the first counts for all pairs, and the "
+      "ranges of later ones may be wrong",
+      topic, fmt::join(differences(first, *other), ", "), first.projection[0], other->projection[0]);
 }

@@ -1,7 +1,9 @@
 // The module flies_video: OpenCV's videoio behind `open_capture`.
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <exception>
 #include <opencv2/core/utils/logger.hpp>
@@ -45,6 +47,23 @@ class OpenCvCapture final : public flies::Capture {
     constexpr double kMost_hz = 10000.0;
     const double rate = capture_.get(cv::CAP_PROP_FPS);
     return std::isfinite(rate) && rate > 0.0 && rate <= kMost_hz ? rate : 0.0;
+  }
+
+  std::uint64_t pictures() const override {
+    const double count = kind_ == flies::SourceKind::file ? capture_.get(cv::CAP_PROP_FRAME_COUNT) : 0.0;
+    return count > 0.0 && count < 1e12 ? static_cast<std::uint64_t>(std::llround(count)) : 0;
+  }
+
+  /// Conversions on the way may leave channels that differ by a rounding.
+  bool has_colors() const override {
+    constexpr double kRounding = 2.0;  // levels
+    for (int channel = 1; channel < std::min(3, picture_.channels()); ++channel) {
+      cv::Mat first, other;
+      cv::extractChannel(picture_, first, 0);
+      cv::extractChannel(picture_, other, channel);
+      if (cv::norm(first, other, cv::NORM_INF) > kRounding) return true;
+    }
+    return false;
   }
 
   /// OpenCV hands on what V4L2 says of the buffer, which is by the monotonic clock of Linux, as the steady clock is.

@@ -29,9 +29,16 @@ constexpr std::size_t kUsualSteps = 10;
 constexpr double kLeastStep_s = 1e-6;                // times advance
 constexpr std::chrono::seconds kLongestTransfer{1};  // from a sensor: an older stamp is by another clock
 
+constexpr double kShareMissed = 0.02;
+constexpr double kPicturesMissed = 1.5;
+
 Clock::duration duration(double seconds) { return std::chrono::duration_cast<Clock::duration>(Seconds(seconds)); }
 
 }  // namespace
+
+bool is_shorter(double length_s, double said_s, double step_s) {
+  return said_s - length_s > std::max(kPicturesMissed * step_s, kShareMissed * said_s);
+}
 
 /// Shared with the reading thread, which may outlive the stream when the source is stuck.
 struct FrameStream::State {
@@ -55,7 +62,7 @@ struct FrameStream::State {
   double patience_s = 0.0;  ///< without a frame for so long it is stuck
   bool is_lost = false, loss_told = false;
   Clock::time_point lost_told = Clock::time_point::min();
-  bool broken_told = false, frozen_told = false, threads_told = false;
+  bool broken_told = false, frozen_told = false, threads_told = false, end_told = false;
 
   bool is_over(int mine) const { return is_ending || generation != mine; }
 
@@ -144,8 +151,10 @@ class Reading {
       if (reader) {
         const auto before = usable_;
         read_all(*reader);
+        const std::uint64_t said = options.is_living ? 0 : reader->frames();
         reader.reset();
         if (is_over()) return;
+        if (said > 0) watch_end(said);
         if (usable_ > before) pause_s = options.first_pause_s;
         if (!options.is_living) {
           if (!options.is_looped || usable_ == before) return state_->end(mine_);
@@ -217,7 +226,8 @@ class Reading {
   void stamp_file(SourceFrame& frame, const FrameReader& reader) {
     double rate_hz = state_->options.rate_hz > 0.0 ? state_->options.rate_hz : reader.rate_hz();
     if (!(rate_hz > 0.0)) rate_hz = kUsualRate_hz;
-    frame.step_s = 1.0 / rate_hz;
+    frame.step_s = step_s_ = 1.0 / rate_hz;
+    if (index_ == 0) note_length(reader.frames());
     frame.time_s = rounds_s_ + frame.own_time_s.value_or(static_cast<double>(index_++) / rate_hz);
     next_s_ = frame.time_s + frame.step_s;
   }
@@ -230,6 +240,26 @@ class Reading {
     if (due > now) return state_->pause(mine_, Seconds(due - now).count());
     late_ += now - due;  // a film that could not be read in time, or was paused, goes on from there
     return !is_over();
+  }
+
+  /// @param said how many pictures a film says it has
+  void note_length(std::uint64_t said) {
+    const std::lock_guard lock(state_->mutex);
+    state_->counts.said_s = static_cast<double>(said) * step_s_;
+    state_->counts.step_s = step_s_;
+  }
+
+  /// A film that breaks off ends like any other.
+  /// @param said how many pictures it says it has
+  void watch_end(std::uint64_t said) {
+    {
+      const std::lock_guard lock(state_->mutex);
+      state_->counts.given_s = static_cast<double>(index_) * step_s_;
+      if (!is_shorter(state_->counts.given_s, state_->counts.said_s, step_s_)) return;
+      if (std::exchange(state_->end_told, true)) return;
+    }
+    state_->say(fmt::format("{}: ends after {} of the {} pictures that it says it has; is it damaged or cut off?",
+                            state_->options.name, index_, said));
   }
 
   bool deliver(SourceFrame frame, bool is_broken) {
@@ -288,6 +318,7 @@ class Reading {
   Clock::time_point began_;
   std::uint64_t usable_ = 0;
   std::uint64_t index_ = 0;               ///< of a file's frame in this round
+  double step_s_ = 0.0;                   ///< of a file
   double rounds_s_ = 0.0, next_s_ = 0.0;  ///< what the rounds before took, and when the next frame is due
   Clock::duration late_{};
   std::deque<double> arrivals_s_;  ///< the last ones

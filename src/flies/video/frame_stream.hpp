@@ -19,6 +19,7 @@ struct SourceFrame {
   std::optional<double> own_time_s = {};  ///< of a file that says when: since its first frame
   std::optional<std::chrono::steady_clock::time_point> taken_at = {};  ///< of a living source that says when
   std::uint64_t skipped = 0;  ///< frames of the source so far that were thrown away for newer ones
+  bool has_colors = false;    ///< where a mosaic was to come; it is grey, and no pair
   std::string left_name, right_name;
 };
 
@@ -30,7 +31,8 @@ class FrameReader {
   /// @returns false when there is none any more
   /// @throws InputError when this frame is broken; the next may be well
   virtual bool read(SourceFrame& frame) = 0;
-  virtual double rate_hz() const = 0;  ///< frames a second as the source says; 0: it does not say
+  virtual double rate_hz() const = 0;                 ///< frames a second as the source says; 0: it does not say
+  virtual std::uint64_t frames() const { return 0; }  ///< of a film, as it says; 0: it does not say
 };
 
 /// Opens the source, anew each time. @throws InputError when that fails
@@ -54,7 +56,14 @@ struct FrameStreamCounts {
   std::uint64_t broken = 0;   ///< of them not usable
   std::uint64_t skipped = 0;  ///< thrown away because newer ones came
   std::uint64_t losses = 0;   ///< how often the source was gone or stuck
+  double said_s = 0.0;        ///< how long a film says it is; 0: it does not say
+  double given_s = 0.0;       ///< of such a film that has ended: how long it was
+  double step_s = 0.0;        ///< between pictures of a film
 };
+
+/// Whether a film is so much shorter than it or another one says that it is no matter of counting: some containers say
+/// only about how many pictures there are.
+bool is_shorter(double length_s, double said_s, double step_s);
 
 /// One source, read by a thread of its own. A file gives its frames in its own time. A living source gives the newest,
 /// by its own stamps or as they come; when it goes away or is stuck, that is told once and it is opened anew, with

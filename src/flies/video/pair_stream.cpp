@@ -32,10 +32,12 @@ class CaptureReader final : public FrameReader {
     frame.left_name = frame.right_name = name_;
     if (!capture_->read(frame.images.left)) return false;
     frame.taken_at = capture_->taken_at();
-    if (bayer_) frame.images.left = demosaiced(std::move(frame.images.left), *bayer_);
+    frame.has_colors = bayer_ && capture_->has_colors();
+    if (bayer_ && !frame.has_colors) frame.images.left = demosaiced(std::move(frame.images.left), *bayer_);
     return true;
   }
   double rate_hz() const override { return capture_->rate_hz(); }
+  std::uint64_t frames() const override { return capture_->pictures(); }
 
  private:
   std::unique_ptr<Capture> capture_;
@@ -157,6 +159,7 @@ Answer PairStream::next_of_one(StereoFrame& frame, std::chrono::milliseconds tim
   SourceFrame read;
   const Answer answer = streams_[0]->next(read, timeout);
   if (answer != Answer::frame) return answer;
+  if (is_refused(read)) return Answer::nothing_yet;
   frame.time_s = read.time_s;
   frame.skew_s = 0.0;
   frame.skipped = read.skipped;
@@ -180,12 +183,15 @@ Answer PairStream::next_of_two(StereoFrame& frame, std::chrono::milliseconds tim
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
     SourceFrame read;
     const Answer answer = stream.next(read, std::max(left, std::chrono::milliseconds(0)));
-    if (answer == Answer::frame) place = std::move(read);
+    if (answer != Answer::frame) return answer;
+    if (is_refused(read)) return Answer::nothing_yet;
+    place = std::move(read);
     return answer;
   };
   while (true) {
     const Answer left = fill(*streams_[0], left_), right = fill(*streams_[1], right_);
     if (left == Answer::ended || right == Answer::ended) {
+      tell_shorter();
       if (!begin_next_round()) return Answer::ended;
       continue;
     }
@@ -226,6 +232,16 @@ bool PairStream::begin_next_round() {
   return true;
 }
 
+/// Colours where a mosaic was to come are no mosaic.
+/// @throws InputError before the first pair
+bool PairStream::is_refused(const SourceFrame& frame) {
+  if (!frame.has_colors) return false;
+  const InputError fault(frame.left_name, "pixels", "found colours, expected the grey levels of a mosaic (--bayer)");
+  if (width_px_ == 0) throw InputError(fault);
+  leave_out(fault.what());
+  return true;
+}
+
 /// Pictures that change their size are broken.
 bool PairStream::accept(StereoFrame& frame) {
   const auto& [left, right] = std::pair(frame.images.view().left, frame.images.view().right);
@@ -257,6 +273,19 @@ void PairStream::watch_skew(double skew_s) {
   if (!note) return;
   skew_told_ = true;
   tell_(*note);
+}
+
+/// Of two films one has ended.
+void PairStream::tell_shorter() {
+  if (shorter_told_) return;
+  for (const std::size_t i : {0U, 1U}) {
+    const auto ended = streams_[i]->counts(), other = streams_[1 - i]->counts();
+    if (ended.given_s <= 0.0 || !is_shorter(ended.given_s, other.said_s, other.step_s)) continue;
+    shorter_told_ = true;
+    tell_(fmt::format("{}: ends after {:.2f} s, {} is {:.2f} s long: what comes later in it has no partner",
+                      request_.sources[i], ended.given_s, request_.sources[1 - i], other.said_s));
+    return;
+  }
 }
 
 void PairStream::tell_unpaired(double skew_s) {

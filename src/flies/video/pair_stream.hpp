@@ -79,6 +79,8 @@ class PairStream {
   void leave_out(const std::string& why);
   void watch_skew(double skew_s);
   void tell_unpaired(double skew_s);
+  void tell_shorter();
+  bool is_refused(const SourceFrame& frame);
 
   PairStreamRequest request_;
   Tell tell_;
@@ -91,7 +93,7 @@ class PairStream {
   int width_px_ = 0, height_px_ = 0;  ///< of the first pair
   std::vector<double> skews_s_;       ///< without sign, of the pairs since they were judged
   std::uint64_t unpaired_in_a_row_ = 0;
-  bool unpaired_told_ = false, size_told_ = false, skew_told_ = false;
+  bool unpaired_told_ = false, size_told_ = false, skew_told_ = false, shorter_told_ = false;
 };
 
 }  // namespace flies
