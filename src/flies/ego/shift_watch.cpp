@@ -53,8 +53,7 @@ void DisparityShiftWatch::look(const EgoMotion& ego) {
 std::optional<DisparityShift> DisparityShiftWatch::shift() const {
   constexpr double kBelow = 1.0 / 6.0;
   if (shifts_px_.size() < kLeastPairs) return std::nullopt;
-  return DisparityShift{*median(shifts_px_),
-                        0.5 * (quantile(shifts_px_, 1.0 - kBelow) - quantile(shifts_px_, kBelow))};
+  return DisparityShift{*median(shifts_px_), 0.5 * (quantile(shifts_px_, 1.0 - kBelow) - quantile(shifts_px_, kBelow))};
 }
 
 std::string DisparityShiftWatch::first_note(const StereoCamera& camera) {
