@@ -193,8 +193,7 @@ std::string table(const Checked& checked) {
                      shift->px < 0.0 ? "large" : "small", pairs, shift->deviation_px));
   line("road", d.road_found ? "found" : "not found");
   const auto& mount = checked.mount().mount;
-  line("camera", fmt::format("{:.2f} m above the road, {:.1f} degrees down, {:.1f} to the right: {}", mount.height_m,
-                             flies::degrees(mount.pitch_rad), flies::degrees(mount.roll_rad),
+  line("camera", fmt::format("{:.2f} m above the road, {}: {}", mount.height_m, flies::tilt_words(mount),
                              checked.mount().is_replaced ? "found, not as given" : "as given"));
   if (checked.to_check.empty()) return text + "looks right\n";
   text += "to check:\n";

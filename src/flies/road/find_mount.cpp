@@ -186,14 +186,20 @@ Evidence gather(std::span<const RectifiedPair> pairs, const StereoCamera& camera
 }
 
 /// Less than which hardly any place has: things as far away as a street's end are seen somewhere.
-double farthest_px(const Evidence& evidence, double scale_px_m) {
+double farthest_px(const std::vector<SeenPlaces>& each, double scale_px_m) {
   constexpr double kHardlyAny = 0.02;
   std::vector<double> parallaxes_px;
-  for (const auto& seen : evidence.each) {
+  for (const auto& seen : each) {
     const double factor = scale_px_m / seen.scale_px_m;  // the places may be those of halved images
     for (const auto& place : seen.places) parallaxes_px.push_back(factor * place.parallax_px);
   }
   return parallaxes_px.empty() ? 0.0 : quantile(parallaxes_px, kHardlyAny);
+}
+
+std::vector<SeenPlaces> see_all(std::span<const RectifiedPair> pairs, const StereoCamera& camera) {
+  std::vector<SeenPlaces> each;
+  for (const auto& pair : pairs) each.push_back(see_places(pair, camera, kSmallShear, kPlacesWidth_px));
+  return each;
 }
 
 /// With the shears that nearly all mounts need; with more, which let chance match more as well, where that shows more.
@@ -236,18 +242,26 @@ bool is_nearer_above(std::span<const RectifiedPair> pairs, const StereoCamera& c
   return 2 * static_cast<std::size_t>(nearer) > pairs.size();
 }
 
-/// Of the probes of the road in all pairs, those on a road that was found.
-double road_share(std::span<const RectifiedPair> pairs, const StereoCamera& camera) {
+/// The road where the mount says it is.
+struct RoadsSeen {
+  double share = 0.0;  ///< of the probes in all pairs, those on a road that was found
+  double slope = 0.0;  ///< of these roads, the median
+};
+
+RoadsSeen see_roads(std::span<const RectifiedPair> pairs, const StereoCamera& camera) {
   const Projection projection(camera);
   std::size_t probes = 0, on_road = 0;
+  std::vector<double> slopes;
   for (const auto& pair : pairs) {
     const RoadResult road = estimate_road(pair, projection, {});
     probes += road.probes.size();
-    if (road.found && std::abs(road.plane.slope) <= kMaxSlope)
-      on_road += static_cast<std::size_t>(
-          std::count_if(road.probes.begin(), road.probes.end(), [](const RoadProbe& probe) { return probe.inlier; }));
+    if (!road.found || std::abs(road.plane.slope) > kMaxSlope) continue;
+    on_road += static_cast<std::size_t>(
+        std::count_if(road.probes.begin(), road.probes.end(), [](const RoadProbe& probe) { return probe.inlier; }));
+    slopes.push_back(road.plane.slope);
   }
-  return probes == 0 ? 0.0 : static_cast<double>(on_road) / static_cast<double>(probes);
+  const double share = probes == 0 ? 0.0 : static_cast<double>(on_road) / static_cast<double>(probes);
+  return {share, median(std::move(slopes)).value_or(0.0)};
 }
 
 /// The mount beside the told one that shows more of the road's probes on the road: a few centimetres or a degree are
@@ -264,24 +278,34 @@ std::optional<CameraMount> nearby_mount(const Evidence& evidence, std::span<cons
   if (!mount) return std::nullopt;
   StereoCamera moved = camera;
   moved.mount = *mount;
-  const double share = road_share(pairs, moved);
+  const double share = see_roads(pairs, moved).share;
   return share > kMoreRoad * told_road && share >= kLikely ? mount : std::nullopt;
 }
 
 }  // namespace
+
+double MountFinding::rise_px() const {
+  if (!is_replaced) return scale_px_m * slope / told.height_m;
+  return plane_below(mount, scale_px_m).ahead_px - plane_below(told, scale_px_m).ahead_px;
+}
 
 MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera& camera) {
   check_camera(camera, "camera");
   MountFinding finding{.told = camera.mount, .mount = camera.mount, .scale_px_m = camera.fx_px * camera.baseline_m};
   std::vector<RectifiedPair> pairs;
   for (const auto& pair : given) pairs.push_back(detail::usable_pair(pair));
-  const double told_road = road_share(pairs, camera);
+  const auto [told_road, slope] = see_roads(pairs, camera);
+  finding.slope = slope;
   finding.is_confirmed = told_road >= kConfirmed;
-  if (finding.is_confirmed && !is_nearer_above(pairs, camera)) return finding;
+  if (finding.is_confirmed && !is_nearer_above(pairs, camera)) {
+    if (finding.rise_px() >= kDoubtfulRise_px)
+      finding.farthest_px = farthest_px(see_all(pairs, camera), finding.scale_px_m);
+    return finding;
+  }
 
   const Evidence evidence = gather_clear(pairs, camera);
   finding.ground_share = evidence.share(evidence.support);
-  finding.farthest_px = farthest_px(evidence, finding.scale_px_m);
+  finding.farthest_px = farthest_px(evidence.each, finding.scale_px_m);
   if (stands_on_its_head(evidence)) {
     finding.is_confirmed = false;
     finding.is_upside_down = true;

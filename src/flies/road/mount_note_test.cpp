@@ -48,7 +48,7 @@ TEST(MountNote, AsksForOtherWidthsWhereARollAloneIsSeen) {
   const auto note = mount_note(found_with(0.0, 22.0, 2.0));
   ASSERT_TRUE(note);
   EXPECT_THAT(*note, HasSubstr("leans 5.4 to the right"));
-  EXPECT_THAT(*note, HasSubstr("If it leans 0.0 degrees, one image is narrower than the other"));
+  EXPECT_THAT(*note, HasSubstr("If it leans 0.0 to the right, one image is narrower than the other"));
   EXPECT_THAT(*mount_note(found_with(20.0, 22.0, 2.0)), Not(HasSubstr("narrower")));
 }
 
@@ -56,6 +56,42 @@ TEST(MountNote, SaysNothingOfWhatIsAsTold) {
   MountFinding finding = found_with(20.0, 22.0, 19.0);
   finding.is_replaced = false;
   EXPECT_FALSE(mount_note(finding));
+}
+
+/// A mount that the road confirms, where it rises by so many pixels.
+MountFinding confirmed_with(double rise_px, double farthest_px) {
+  return {.told = {kHeight_m, 0.0, 0.0},
+          .mount = {kHeight_m, 0.0, 0.0},
+          .is_confirmed = true,
+          .scale_px_m = kScale_px_m,
+          .slope = rise_px * kHeight_m / kScale_px_m,
+          .farthest_px = farthest_px};
+}
+
+TEST(MountNote, DoubtsThePrincipalPointOfAConfirmedMountWhereTheRoadRisesAndNothingIsFarAway) {
+  const auto note = mount_note(confirmed_with(6.0, 16.0));
+  ASSERT_TRUE(note);
+  EXPECT_THAT(*note, HasSubstr("farther away than 24 m"));
+  EXPECT_THAT(*note, HasSubstr("looks 1.5 degrees farther down"));
+  EXPECT_THAT(*note, HasSubstr("cx of one camera is some 6 to 16 px off"));
+  EXPECT_FALSE(mount_note(confirmed_with(6.0, 6.0)));    // something is far away
+  EXPECT_FALSE(mount_note(confirmed_with(3.4, 9.7)));    // the road is level, but the view closed
+  EXPECT_FALSE(mount_note(confirmed_with(-6.0, 16.0)));  // the camera looks up
+  EXPECT_FALSE(mount_note(confirmed_with(6.0, 30.0)));   // a room
+}
+
+TEST(MountNote, DoubtsThePrincipalPointLikewiseWhereTheMountIsReplaced) {
+  EXPECT_THAT(*mount_note(found_with(6.0, 0.0, 16.0)), HasSubstr("cx of one camera is some 6 to 16 px off"));
+}
+
+TEST(MountNote, SaysUpAndLeftOfACameraThatLooksUpAndLeansToTheLeft) {
+  MountFinding finding = found_with(0.0, 0.0, 2.0);
+  finding.mount.pitch_rad = radians(-13.9);
+  finding.mount.roll_rad = radians(-0.04);
+  auto note = mount_note(finding);
+  EXPECT_THAT(*note, HasSubstr("looks 13.9 degrees up and leans 0.0 to the right, not 1.65 m, 0.0 degrees down"));
+  EXPECT_THAT(*note, HasSubstr("--camera-pitch -13.9 --camera-roll 0.0,"));
+  EXPECT_EQ(tilt_words({1.0, radians(-2.0), radians(-3.0)}), "2.0 degrees up, 3.0 to the left");
 }
 
 }  // namespace
