@@ -31,7 +31,7 @@ struct MountFinding {
 };
 
 /// Of a rise that is less, a principal point is not doubted: half a degree to a degree and more of many cameras.
-inline constexpr double kDoubtfulRise_px = 4.5;
+inline constexpr double kDoubtfulRise_px = 3.0;
 
 /// Finds height, pitch and roll of the camera above the ground that the pairs show. Where the road is seen as the
 /// mount says, that is all, and takes about a millisecond a pair (and some 0.1 s more where it rises so that a
