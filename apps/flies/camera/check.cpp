@@ -160,6 +160,7 @@ std::vector<std::string> doubts_on_rig(const Checked& checked, const std::string
   of_rig.road_found = true;
   of_rig.sides = {};
   of_rig.noise = {};
+  of_rig.left_steps = of_rig.right_steps = {};
   of_rig.nearer_above.reset();
   of_rig.dark_share = of_rig.bright_share = 0.0;
   for (auto& complaint : flies::complaints(of_rig)) doubts.push_back(std::move(complaint));

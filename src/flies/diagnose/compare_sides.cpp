@@ -26,6 +26,7 @@ constexpr int kPatchColumns = 40, kPatchRows = 16, kPatchReach = kPatchColumns /
 constexpr int kLeastCell_px = 8;
 constexpr double kFlat_gray = 1.5, kShown_gray = 4.0;
 constexpr double kWhite_gray = 230.0;  // glare, which one camera may see alone
+constexpr double kBlack_gray = 2.0;    // what rectifying leaves empty
 constexpr int kSharpnessColumns = 6;
 
 struct Level {
@@ -73,14 +74,40 @@ int take_patch(PatchMask& mask, int row, int column) {
          take_patch(mask, row, column + 1);
 }
 
+/// The black cells that hang together with the border of the image.
+PatchMask black_borders(const PatchLevels& image) {
+  PatchMask black{};
+  for (std::size_t cell = 0; cell < black.size(); ++cell)
+    black[cell] = image[cell].mean_gray <= kBlack_gray && image[cell].deviation_gray < kFlat_gray;
+  const PatchMask all = black;
+  for (int row = 0; row < kPatchRows; ++row)
+    for (int column = 0; column < kPatchColumns; ++column)
+      if (row == 0 || column == 0 || row == kPatchRows - 1 || column == kPatchColumns - 1)
+        take_patch(black, row, column);
+  PatchMask borders{};
+  for (std::size_t cell = 0; cell < black.size(); ++cell) borders[cell] = all[cell] && !black[cell];
+  return borders;
+}
+
+/// Whether much of the cells between two columns is marked.
+bool is_in_part(const PatchMask& mask, int first, int end) {
+  constexpr double kMuch = 0.1;
+  int marked = 0;
+  for (int row = 0; row < kPatchRows; ++row)
+    for (int column = first; column < end; ++column) marked += mask[patch_index(row, column)];
+  return marked > kMuch * kPatchRows * (end - first);
+}
+
 /// Of the cells, those of the largest patch of one level where the other image shows something between two columns
 /// beside each of them. Deviations are those of images of one contrast.
 double blind_patch(const PatchLevels& image, const PatchLevels& other, int from, int to) {
   PatchMask blind{};
+  const PatchMask borders = black_borders(image);
   for (int row = 0; row < kPatchRows; ++row)
     for (int column = 0; column < kPatchColumns; ++column) {
       const Level& here = image[patch_index(row, column)];
-      bool is_blind = here.deviation_gray < kFlat_gray && here.mean_gray < kWhite_gray;
+      bool is_blind =
+          here.deviation_gray < kFlat_gray && here.mean_gray < kWhite_gray && !borders[patch_index(row, column)];
       for (int c = std::max(0, column + from); c <= std::min(kPatchColumns - 1, column + to); ++c)
         is_blind = is_blind && other[patch_index(row, c)].deviation_gray > kShown_gray;
       blind[patch_index(row, column)] = is_blind;
@@ -98,15 +125,33 @@ std::vector<double> row_deviations(const GrayView& image) {
   return deviations;
 }
 
-/// Of the rows, those of one level where the other image has more. Rows at the edges are what rectifying leaves empty.
-double lost_rows(const std::vector<double>& image, const std::vector<double>& other) {
+std::vector<double> column_deviations(const GrayView& image) {
+  const auto width = static_cast<std::size_t>(image.width_px);
+  std::vector<double> sums(width), squares(width), deviations;
+  for (int v = 0; v < image.height_px; ++v) {
+    const std::uint8_t* row = image.row(v);
+    for (std::size_t u = 0; u < width; ++u) {
+      sums[u] += row[u];
+      squares[u] += row[u] * row[u];
+    }
+  }
+  for (std::size_t u = 0; u < width; ++u) {
+    const double mean = sums[u] / image.height_px;
+    deviations.push_back(std::sqrt(std::max(0.0, squares[u] / image.height_px - mean * mean)));
+  }
+  return deviations;
+}
+
+/// Of the rows or columns, those of one level where the other image has more. Those at the edges are what rectifying
+/// leaves empty.
+double lost_lines(const std::vector<double>& image, const std::vector<double>& other) {
   constexpr double kOneLevel_gray = 0.5, kMore_gray = 2.0;
   const auto shows = [](double deviation_gray) { return deviation_gray >= kOneLevel_gray; };
   const auto first = std::find_if(image.begin(), image.end(), shows);
   const auto end = std::find_if(image.rbegin(), image.rend(), shows).base();
   int lost = 0;
-  for (auto row = first; row < end; ++row)
-    lost += !shows(*row) && other[static_cast<std::size_t>(row - image.begin())] >= kMore_gray;
+  for (auto line = first; line < end; ++line)
+    lost += !shows(*line) && other[static_cast<std::size_t>(line - image.begin())] >= kMore_gray;
   return static_cast<double>(lost) / static_cast<double>(image.size());
 }
 
@@ -145,9 +190,16 @@ void compare_parts(const RectifiedPair& pair, SideDifference& difference) {
   difference.left_blind_patch = blind_patch(left, right, -kPatchReach, 0);
   difference.right_blind_patch = blind_patch(right, left, 0, kPatchReach);
   const auto left_rows = row_deviations(pair.left), right_rows = row_deviations(pair.right);
-  difference.left_lost_rows = lost_rows(left_rows, right_rows);
-  difference.right_lost_rows = lost_rows(right_rows, left_rows);
+  difference.left_lost_rows = lost_lines(left_rows, right_rows);
+  difference.right_lost_rows = lost_lines(right_rows, left_rows);
+  const auto left_columns = column_deviations(pair.left), right_columns = column_deviations(pair.right);
+  difference.left_lost_columns = lost_lines(left_columns, right_columns);
+  difference.right_lost_columns = lost_lines(right_columns, left_columns);
+  const PatchMask left_borders = black_borders(left), right_borders = black_borders(right);
   for (int part = 0; part < kSharpnessColumns; ++part) {
+    const int first = kPatchColumns * part / kSharpnessColumns, end = kPatchColumns * (part + 1) / kSharpnessColumns;
+    if (is_in_part(left_borders, first, end) || is_in_part(right_borders, first, end))
+      continue;  // which cost sharpness
     const int first_u = pair.left.width_px * part / kSharpnessColumns,
               end_u = pair.left.width_px * (part + 1) / kSharpnessColumns;
     const double ratio = sharpness_between(pair.right, first_u, end_u, difference.right_noise.noise_gray) /
@@ -218,7 +270,8 @@ SideDifference median_side_difference(const std::vector<SideDifference>& pairs) 
        {&SideDifference::left_blind_share, &SideDifference::right_blind_share, &SideDifference::sharpness,
         &SideDifference::contrast, &SideDifference::brightness, &SideDifference::left_blind_patch,
         &SideDifference::right_blind_patch, &SideDifference::left_lost_rows, &SideDifference::right_lost_rows,
-        &SideDifference::least_sharpness, &SideDifference::most_sharpness}) {
+        &SideDifference::left_lost_columns, &SideDifference::right_lost_columns, &SideDifference::least_sharpness,
+        &SideDifference::most_sharpness}) {
     std::vector<double> values;
     for (const auto& pair : pairs) values.push_back(pair.*member);
     median.*member = upper_median(std::move(values));

@@ -18,11 +18,13 @@ struct SideDifference {
   double brightness = 1.0;  ///< of the mean grey levels; 0.85 to 1.07 in good pairs
   ImageNoise left_noise = {}, right_noise = {};
   /// Of the image, the largest patch of one level where the other image shows something all about: 0.005 at most in 58
-  /// good pairs, a disc of 120 px in 1242 x 375 has 0.01.
+  /// good pairs, a disc of 120 px in 1242 x 375 has 0.01. Black that reaches in from the border, as rectifying leaves
+  /// it, is none.
   double left_blind_patch = 0.0, right_blind_patch = 0.0;
   /// Of the rows, those of one level throughout, between others, where the other image shows something: none in good
   /// pairs.
   double left_lost_rows = 0.0, right_lost_rows = 0.0;
+  double left_lost_columns = 0.0, right_lost_columns = 0.0;  ///< likewise of the columns
   /// The sharpness of the sixth of the columns that differs most towards either side: 0.7 and 2.7 in good pairs.
   double least_sharpness = 1.0, most_sharpness = 1.0;
 

@@ -108,6 +108,39 @@ TEST(CompareSides, TellsLostRowsButNotThoseThatRectifyingLeavesEmpty) {
   EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("of the rows of the left image")));
 }
 
+TEST(CompareSides, TellsColumnsThatAreStuckAndNotThatTheOtherImageIsBlurred) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  for (int u = 3; u < 640; u += 8) mat_of(pair.right).col(u).setTo(255);
+  EXPECT_THAT(complaints(compare_sides(pair.view())),
+              ElementsAre(HasSubstr("12 % of the columns of the right image have one grey level throughout")));
+  std::swap(pair.left, pair.right);
+  EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("of the columns of the left image")));
+}
+
+TEST(CompareSides, BlackThatReachesInFromTheBorderIsNoDirt) {
+  GrayPair pair = textured_pair(8.0, 0.0, 0.0);
+  const auto wedge = [](GrayImage& image, int from_u, int to_u) {
+    const std::vector<cv::Point> corners{{from_u, 0}, {to_u, 0}, {from_u, 200}};
+    cv::fillPoly(mat_of(image), std::vector<std::vector<cv::Point>>{corners}, 0);
+  };
+  wedge(pair.left, 0, 80);
+  wedge(pair.right, 639, 559);
+  EXPECT_THAT(complaints(compare_sides(pair.view())), IsEmpty());
+  cv::circle(mat_of(pair.right), {300, 120}, 40, 0, cv::FILLED);  // dirt that is as black
+  EXPECT_THAT(complaints(compare_sides(pair.view())), ElementsAre(HasSubstr("% of the right image shows nothing")));
+}
+
+TEST(CompareSides, ACalmPartOfABlurredOrDarkImageIsNoDirt) {
+  SideDifference blurred{.sharpness = 0.27, .right_blind_patch = 0.012};
+  EXPECT_THAT(complaints(blurred), ElementsAre(HasSubstr("the right image is 0.27 times as sharp")));
+  SideDifference dark{.brightness = 0.6, .right_blind_patch = 0.012};
+  EXPECT_THAT(complaints(dark), ElementsAre(HasSubstr("exposure and gain")));
+  blurred.right_blind_patch = 0.05;
+  EXPECT_THAT(complaints(blurred), ElementsAre(HasSubstr("a patch of 5 % of the right image")));
+  SideDifference other_side{.sharpness = 0.27, .left_blind_patch = 0.012};
+  EXPECT_THAT(complaints(other_side), ElementsAre(HasSubstr("a patch of 1 % of the left image")));
+}
+
 TEST(CompareSides, TellsAPartThatIsBlurred) {
   GrayPair pair = textured_pair(8.0, 0.0, 0.0);
   cv::Mat part = mat_of(pair.right).colRange(213, 427), blurred;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <iterator>
 #include <utility>
 
 #include "flies/core/quantile.hpp"
@@ -23,6 +23,8 @@ constexpr double kFewMatched = 0.2;
 /// Told; and so many that nothing else can be concluded. In good pairs 0.027 at most, one or two places.
 constexpr double kSomeBeyond = 0.03, kManyBeyond = 0.15;
 constexpr int kMinSomeBeyond = 3, kMinBeyond = 8;
+/// With fewer, images that are not of one moment, or raw, look like those of another focal length.
+constexpr double kManyMatched = 0.4;
 /// So many that left and right are swapped.
 constexpr double kSwappedShare = 0.8;
 constexpr int kMinSwapped = 12;
@@ -82,6 +84,11 @@ bool is_swapped(const PairDiagnosis& d) {
   return !has_few_matched(d) && d.evidence.beyond >= kMinSwapped && d.beyond_share() > kSwappedShare;
 }
 
+/// Whether the images surely show one moment, rectified: most of what they show is found, and the road among it.
+bool is_one_moment(const PairDiagnosis& d) {
+  return d.road_found && (d.evidence.patches < kMinPatches || found_share(d) >= kManyMatched);
+}
+
 /// That no road is found follows from what is told already.
 bool is_explained(const PairDiagnosis& d) { return has_few_matched(d) || is_swapped(d); }
 
@@ -102,8 +109,9 @@ std::optional<std::string> told_places(const PairDiagnosis& d) {
   if (d.evidence.beyond < kMinSomeBeyond || d.beyond_share() <= kSomeBeyond) return std::nullopt;
   return fmt::format(
       "{:.0f} % of the places that are found would lie beyond infinity: the cameras look towards each other "
-      "or a principal point is wrong, so ranges are too; check cx of both cameras, and that both images were taken "
-      "at the same moment",
+      "or a principal point is wrong, so ranges are too; check cx of both cameras, whether the calibration is of raw "
+      "or "
+      "of rectified images, and that both were taken at the same moment",
       100.0 * d.beyond_share());
 }
 
@@ -113,12 +121,13 @@ std::string told_growth(const RowError& rows, bool is_certain) {
           ? ""
           : fmt::format(", and its rows lie {:+.1f} px lower in the middle, {:+.1f} and {:+.1f} px at the sides",
                         rows.offset_px, rows.at(0.0), rows.at(2.0 * rows.middle_u_px));
-  return fmt::format("the right image is {:.1f} % {} than the left one{}: {}", 100.0 * std::abs(rows.growth),
-                     rows.growth > 0.0 ? "larger" : "smaller", lower,
-                     is_certain
-                         ? "focal lengths are not those of the calibration (a zoom, another resize of one image), so "
-                           "ranges are off, and moving rows does not mend that; calibrate again"
-                         : "which a late image, R that is transposed or left out, and a zoom of one camera all do");
+  return fmt::format(
+      "the right image is {:.1f} % {} than the left one{}: {}", 100.0 * std::abs(rows.growth),
+      rows.growth > 0.0 ? "larger" : "smaller", lower,
+      is_certain ? "focal lengths are not those of the calibration (a zoom, another resize of one image), so "
+                   "ranges are off, and moving rows does not mend that; calibrate again"
+                 : "which a late image, raw images with the calibration of rectified ones, R that is transposed "
+                   "or left out, and a zoom of one camera all do");
 }
 
 std::string told_offset(const RowError& rows) {
@@ -142,7 +151,7 @@ std::optional<std::string> told_rows(const PairDiagnosis& d) {
         has_few_matched(d) ? "images of different moments do that, and a camera that is loose"
                            : "was a camera knocked, is one loose, or is one late or hanging in some pairs?");
   if (!d.rows) return std::nullopt;
-  if (d.rows->growth != 0.0) return told_growth(*d.rows, !has_few_matched(d));
+  if (d.rows->growth != 0.0) return told_growth(*d.rows, is_one_moment(d));
   if (d.rows->typical_px() >= kRowErrorMatters_px) return told_offset(*d.rows);
   if (d.rows->scatter_px < kScatterMatters_px) return std::nullopt;
   return fmt::format(
@@ -157,7 +166,24 @@ std::string what_hides(const PairDiagnosis& d) {
   return "the image is nearly uniform (a lens cap, fog, a wall)";
 }
 
+std::optional<std::string> told_combing(const PairDiagnosis& d) {
+  const bool left = d.left_steps.is_combed(), right = d.right_steps.is_combed();
+  if (!left && !right) return std::nullopt;
+  return fmt::format(
+      "every other row of {} is of another moment than the rows between: interlaced video, in which what moves is "
+      "matched badly; keep one field alone (every other row) of both images and give --resized, or deinterlace them",
+      left && right ? "both images"
+      : left        ? "the left image"
+                    : "the right image");
+}
+
 void add_what_is_seen_badly(const PairDiagnosis& d, std::vector<std::string>& found) {
+  if (auto combing = told_combing(d)) found.push_back(*std::move(combing));
+  if (d.left_steps.is_blurred() && d.right_steps.is_blurred())
+    found.push_back(
+        "both images are blurred, nothing in them is sharp to a pixel: are both cameras out of focus, or were the "
+        "images "
+        "enlarged?");
   const bool is_hidden = std::max(d.dark_share, d.bright_share) > kMuchHidden;
   if (is_hidden)
     found.push_back(fmt::format("nothing can be seen in much of the image: {}", what_hides(d)));
@@ -202,18 +228,24 @@ PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camer
     diagnosis.nearer_above = upper_px / lower_px;
   diagnosis.sides = compare_sides(pair);
   diagnosis.noise = diagnosis.sides.noise();
+  diagnosis.left_steps = measure_steps(pair.left);
+  diagnosis.right_steps = measure_steps(pair.right);
   diagnosis.rows = fit_row_error(match_corners(pair), pair.left.width_px, pair.left.height_px);
   diagnosis.road_found = estimate_road(pair, Projection(camera), road).found;
   return diagnosis;
 }
 
-PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
+PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& all) {
   PairDiagnosis run;
-  if (pairs.empty()) return run;
+  if (all.empty()) return run;
+  std::vector<PairDiagnosis> pairs;
+  std::ranges::remove_copy_if(all, std::back_inserter(pairs), is_swapped);
+  if (pairs.empty()) pairs = all;
   std::vector<double> textured, dark, bright, nearer_above;
   std::vector<RowError> rows;
   std::vector<SideDifference> sides;
   std::vector<ImageNoise> noise;
+  std::vector<ImageSteps> left_steps, right_steps;
   int roads = 0;
   for (const auto& pair : pairs) {
     textured.push_back(pair.textured_share);
@@ -225,6 +257,8 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
     run.evidence.distant += pair.evidence.distant;
     sides.push_back(pair.sides);
     noise.push_back(pair.noise);
+    left_steps.push_back(pair.left_steps);
+    right_steps.push_back(pair.right_steps);
     if (pair.rows) rows.push_back(*pair.rows);
     if (pair.nearer_above) nearer_above.push_back(*pair.nearer_above);
     roads += pair.road_found;
@@ -235,6 +269,8 @@ PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs) {
   if (!nearer_above.empty()) run.nearer_above = upper_median(std::move(nearer_above));
   run.sides = median_side_difference(sides);
   run.noise = median_noise(std::move(noise));
+  run.left_steps = median_steps(left_steps);
+  run.right_steps = median_steps(right_steps);
   run.rows = median_row_error(rows);
   run.rows_spread_px = spread_px(rows);
   run.road_found = roads > 0;
@@ -278,7 +314,8 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
   if (!d.road_found && !is_explained(d))
     found.push_back(
         "no road was found where the mount of the camera says it is: heights and obstacles may be wrong; check "
-        "--camera-height and --camera-pitch, the calibration, and that both images were taken at the same moment");
+        "--camera-height and --camera-pitch, the calibration and the unit of its baseline, and that both images were "
+        "taken at the same moment");
   return found;
 }
 

@@ -9,6 +9,7 @@
 #include "flies/core/stereo_camera.hpp"
 #include "flies/diagnose/compare_sides.hpp"
 #include "flies/diagnose/image_noise.hpp"
+#include "flies/diagnose/image_steps.hpp"
 #include "flies/diagnose/row_error.hpp"
 #include "flies/road/road.hpp"
 
@@ -27,8 +28,9 @@ struct PairDiagnosis {
   /// Nothing where too few are found, and for cameras high above the ground, which see tops of trees above and none of
   /// what is near below.
   std::optional<double> nearer_above;
-  SideDifference sides;     ///< in what the images differ that should not
-  ImageNoise noise;         ///< of the noisier image
+  SideDifference sides;  ///< in what the images differ that should not
+  ImageNoise noise;      ///< of the noisier image
+  ImageSteps left_steps, right_steps;
   bool road_found = false;  ///< the road's plane agrees with the mount of the camera
 
   /// Of the patches, those found on their row at or before infinity; 0.32 and more in good pairs of streets.
@@ -48,7 +50,8 @@ struct PairDiagnosis {
 /// @param road where and how the road is looked for, as `fitted_options` has it for the camera
 PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camera, const RoadOptions& road = {});
 
-/// What a run of pairs says together: sums and medians.
+/// What a run of pairs says together: sums and medians. Pairs that are swapped where others are not have no say: they
+/// are a fault of their own (`PairWatch`).
 PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs);
 
 /// What is not as it should be, one sentence each with what to check; empty when all looks right. First what is seen

@@ -122,6 +122,33 @@ TEST(Complaints, BeginWithWhatTheRestFollowsFrom) {
   EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("or is one late or hanging in some pairs?")));
 }
 
+TEST(Complaints, AnImageThatIsLargerIsOnlyAZoomForSureWhereMostIsFoundAndTheRoadIsSeen) {
+  PairDiagnosis diagnosis;
+  diagnosis.textured_share = 0.8;
+  diagnosis.rows = RowError{.corners = 280, .middle_u_px = 620, .growth = 0.009, .middle_v_px = 187};
+  diagnosis.evidence = {.patches = 100, .nearer = 60};
+  diagnosis.road_found = true;
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("a zoom, another resize of one image")));
+  diagnosis.evidence.nearer = 30;  // as where one image is a tenth of a second late
+  EXPECT_THAT(complaints(diagnosis),
+              ElementsAre(HasSubstr("0.9 % larger than the left one: which a late image, raw images with the")));
+  diagnosis.evidence.nearer = 60;
+  diagnosis.road_found = false;
+  EXPECT_THAT(complaints(diagnosis), Contains(HasSubstr("which a late image")));
+}
+
+TEST(Complaints, ImagesOfTwoMomentsAndBlurOfBothAreTold) {
+  PairDiagnosis diagnosis;
+  diagnosis.textured_share = 0.8;
+  diagnosis.road_found = true;
+  diagnosis.right_steps.sharpness = 0.26;
+  EXPECT_TRUE(complaints(diagnosis).empty());  // the sharper image says which
+  diagnosis.left_steps.sharpness = 0.27;
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("both images are blurred")));
+  diagnosis.left_steps = {.combed_share = 0.9};
+  EXPECT_THAT(complaints(diagnosis), ElementsAre(HasSubstr("every other row of the left image")));
+}
+
 TEST(Complaints, HiddenPartsAndScatteredRowsAreTold) {
   PairDiagnosis diagnosis;
   diagnosis.textured_share = 0.4;
@@ -179,6 +206,21 @@ TEST(DiagnoseRun, AddsUpWhatItsPairsSay) {
   EXPECT_EQ(run.textured_share, good.textured_share);
   ASSERT_TRUE(run.rows);
   EXPECT_NEAR(run.rows->offset_px, 1.0, 0.1);
+}
+
+TEST(DiagnoseRun, PairsThatAreSwappedDoNotSayThatAPrincipalPointIsWrong) {
+  PairDiagnosis good, swapped;
+  good.textured_share = swapped.textured_share = 0.8;
+  good.evidence = {.patches = 100, .nearer = 60, .distant = 5};
+  good.road_found = true;
+  good.rows = RowError{.offset_px = 1.0, .corners = 200, .middle_u_px = 320};
+  swapped.evidence = {.patches = 100, .beyond = 60, .distant = 5};
+  swapped.rows = RowError{.offset_px = -1.0, .corners = 200, .middle_u_px = 320};
+  const auto run = diagnose_run({good, good, swapped, swapped, swapped});
+  EXPECT_EQ(run.evidence.patches, 200);
+  EXPECT_EQ(run.evidence.beyond, 0);
+  EXPECT_TRUE(run.rows_agree());
+  EXPECT_THAT(complaints(diagnose_run({swapped, swapped})), ElementsAre(HasSubstr("are left and right swapped")));
 }
 
 TEST(DiagnoseRun, ARigThatWasKnockedOnTheWayHasNoOneCorrection) {

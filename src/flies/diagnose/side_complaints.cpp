@@ -34,11 +34,27 @@ std::vector<std::string> blind_sides(const SideDifference& d) {
   return found;
 }
 
+/// A patch that is calm all the more where all of the image is blurred or faint.
+double patch_of_its_own(double patch, double sharpness, double brightness) {
+  constexpr double kByBlur = 0.03, kByExposure = 0.015;
+  const bool follows = (sharpness < kBlurred && patch < kByBlur) || (brightness < kDimmed && patch < kByExposure);
+  return follows ? 0.0 : patch;
+}
+
 std::vector<std::string> blind_parts(const SideDifference& d) {
   std::vector<std::string> found;
-  for (const auto& [image, other, rows, patch] : {std::tuple("right", "left", d.right_lost_rows, d.right_blind_patch),
-                                                  std::tuple("left", "right", d.left_lost_rows, d.left_blind_patch)})
-    if (rows > kLostRows)
+  const double right_patch = patch_of_its_own(d.right_blind_patch, d.sharpness, d.brightness);
+  const double left_patch =
+      patch_of_its_own(d.left_blind_patch, 1.0 / std::max(d.sharpness, 1e-6), 1.0 / std::max(d.brightness, 1e-6));
+  for (const auto& [image, other, rows, columns, patch] :
+       {std::tuple("right", "left", d.right_lost_rows, d.right_lost_columns, right_patch),
+        std::tuple("left", "right", d.left_lost_rows, d.left_lost_columns, left_patch)})
+    if (columns > kLostRows)
+      found.push_back(
+          fmt::format("{:.0f} % of the columns of the {} image have one grey level throughout: are these stuck in the "
+                      "sensor of that camera?",
+                      std::max(1.0, 100.0 * columns), image));
+    else if (rows > kLostRows)
       found.push_back(
           fmt::format("{:.0f} % of the rows of the {} image have one grey level throughout: were lines lost "
                       "on the way from that camera?",
