@@ -69,15 +69,27 @@ void check_camera_fits(const StereoCamera& camera, int width_px, int height_px, 
           fmt::format("the calibration is for {} x {} px, the images have {} x {} px: do they lie on their "
                       "side? (They are turned as their EXIF orientation says.)",
                       camera.width_px, camera.height_px, width_px, height_px));
-    if (camera.width_px != width_px || camera.height_px != height_px)
+    if (width_px >= camera.width_px && height_px >= camera.height_px &&
+        width_px + height_px > camera.width_px + camera.height_px)
       throw InputError(
           source, "image size",
           fmt::format(
-              "the calibration is for {} x {} px, the images have {} x {} px: were they resized by {:.3g} "
-              "across and {:.3g} down (then: --resized), or cropped? Then take the columns and rows that were cut off "
-              "at the left and at the top from cx and cy, and give the size of the images",
-              camera.width_px, camera.height_px, width_px, height_px, static_cast<double>(width_px) / camera.width_px,
+              "the calibration is for {} x {} px, the images have {} x {} px: were they padded by {} columns and "
+              "{} rows, or letterboxed (then cut that off)? Where nothing was added, they were resized by {:.3g} "
+              "across and {:.3g} down (then: --resized)",
+              camera.width_px, camera.height_px, width_px, height_px, width_px - camera.width_px,
+              height_px - camera.height_px, static_cast<double>(width_px) / camera.width_px,
               static_cast<double>(height_px) / camera.height_px));
+    if (camera.width_px != width_px || camera.height_px != height_px)
+      throw InputError(
+          source, "image size",
+          fmt::format("the calibration is for {} x {} px, the images have {} x {} px: were they resized by {:.3g} "
+                      "across and {:.3g} down (then: --resized), letterboxed (then cut the borders off), or cropped? "
+                      "Then take the columns and rows that were cut off "
+                      "at the left and at the top from cx and cy, and give the size of the images",
+                      camera.width_px, camera.height_px, width_px, height_px,
+                      static_cast<double>(width_px) / camera.width_px,
+                      static_cast<double>(height_px) / camera.height_px));
     return;
   }
   // A file without a size still betrays itself: the principal point of a real camera lies well inside its image.

@@ -44,8 +44,8 @@ double combed_share(const GrayView& image) {
       if (!textured[cell_index(row, column)]) continue;
       ++cells;
       combed += differences_of(image, image.width_px * column / kCellGridColumns,
-                               image.width_px * (column + 1) / kCellGridColumns,
-                               image.height_px * row / kCellGridRows, image.height_px * (row + 1) / kCellGridRows)
+                               image.width_px * (column + 1) / kCellGridColumns, image.height_px * row / kCellGridRows,
+                               image.height_px * (row + 1) / kCellGridRows)
                     .is_combed();
     }
   return cells == 0 ? 0.0 : static_cast<double>(combed) / cells;

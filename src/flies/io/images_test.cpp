@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -84,6 +85,31 @@ TEST(LoadPair, ShiftsBoth16BitImagesAlike) {
     EXPECT_EQ(pair.right.view().at(4, 3), 255) << extension;
     EXPECT_EQ(pair.left.view().at(4, 3), 3000 >> 4) << extension;
   }
+}
+
+TEST(LoadPair, ExchangesTheBytesOf16BitLevelsThatStandInTheOtherOrder) {
+  const TemporaryFolder folder;
+  const auto smooth = [](int seed) {
+    cv::Mat levels(kHeight_px, kWidth_px, CV_16UC1);
+    for (int v = 0; v < levels.rows; ++v)
+      for (int u = 0; u < levels.cols; ++u)
+        levels.at<std::uint16_t>(v, u) =
+            static_cast<std::uint16_t>(2000.0 + 1900.0 * std::sin(0.13 * u + 0.21 * v + seed));
+    return levels;
+  };
+  const auto exchanged = [](const cv::Mat& levels) {
+    cv::Mat result = levels.clone();
+    for (auto& level : cv::Mat_<std::uint16_t>(result)) level = static_cast<std::uint16_t>(level << 8 | level >> 8);
+    return result;
+  };
+  const cv::Mat left = smooth(0), right = smooth(1);
+  const auto good = load_pair(save(folder, "l.pgm", left), save(folder, "r.pgm", right));
+  const auto pair = load_pair(save(folder, "le.pgm", exchanged(left)), save(folder, "re.pgm", exchanged(right)));
+  EXPECT_TRUE(good.notes.empty());
+  EXPECT_EQ(pair.left.pixels, good.left.pixels);
+  EXPECT_EQ(pair.right.pixels, good.right.pixels);
+  EXPECT_THAT(pair.notes, ::testing::ElementsAre(::testing::HasSubstr("bytes of the 16-bit levels")));
+  EXPECT_EQ(load_gray_image(folder.file("le.pgm")).pixels, load_gray_image(folder.file("l.pgm")).pixels);
 }
 
 TEST(LoadPair, SeesTheSceneInSpiteOfAHotPixel) {

@@ -87,11 +87,11 @@ struct Vote {
 };
 
 /// The mount above a plane that is sure enough.
-std::optional<CameraMount> sure_mount(const SeenPlaces& seen, const GroundPlane& plane) {
+std::optional<CameraMount> sure_mount(const SeenPlaces& seen, const GroundPlane& plane, double highest_m = kHighest_m) {
   if (depth_ratio_on(seen, plane) < kLeastDepthRatio) return std::nullopt;
   const MountDeviation deviation = mount_deviation(seen, plane);
   const CameraMount mount = mount_above(plane, seen.scale_px_m);
-  if (mount.height_m <= kHighest_m && deviation.height_share < kMaxHeightDeviation &&
+  if (mount.height_m <= highest_m && deviation.height_share < kMaxHeightDeviation &&
       deviation.pitch_rad < kMaxTiltDeviation_rad && deviation.roll_rad < kMaxTiltDeviation_rad)
     return mount;
   return std::nullopt;
@@ -143,6 +143,19 @@ std::optional<CameraMount> agreed_mount(const std::vector<Vote>& all, double min
   });
   if (2 * static_cast<std::size_t>(agreeing) <= votes.size()) return std::nullopt;
   return middle;
+}
+
+/// How far below the cameras there is ground, deeper than where it is looked for: baselines of 40 times their length,
+/// as of inches taken for metres, put it there.
+double deep_ground_m(const std::vector<SeenPlaces>& each) {
+  constexpr double kDeepest_m = 150.0;
+  std::vector<Vote> votes;
+  for (const auto& seen : each)
+    if (const auto best = fit_ground(seen, {.min_height_m = kHighest_m, .max_height_m = kDeepest_m}))
+      votes.push_back(
+          {.places = seen.places.size(), .support = best->support, .mount = sure_mount(seen, best->plane, kDeepest_m)});
+  const auto mount = agreed_mount(votes, kMuchGroundShare);
+  return mount ? mount->height_m : 0.0;
 }
 
 /// The images turned by 180 degrees.
@@ -291,7 +304,10 @@ double MountFinding::rise_px() const {
 
 MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera& camera) {
   check_camera(camera, "camera");
-  MountFinding finding{.told = camera.mount, .mount = camera.mount, .scale_px_m = camera.fx_px * camera.baseline_m};
+  MountFinding finding{.told = camera.mount,
+                       .mount = camera.mount,
+                       .baseline_m = camera.baseline_m,
+                       .scale_px_m = camera.fx_px * camera.baseline_m};
   std::vector<RectifiedPair> pairs;
   for (const auto& pair : given) pairs.push_back(detail::usable_pair(pair));
   const auto [told_road, slope] = see_roads(pairs, camera);
@@ -319,6 +335,7 @@ MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera
   finding.is_confirmed = is_as_told && !mount && finding.ground_share >= kGroundShare;
   finding.is_replaced = mount.has_value();
   if (mount) finding.mount = *mount;
+  if (!mount && !finding.is_confirmed) finding.deep_ground_m = deep_ground_m(evidence.each);
   return finding;
 }
 

@@ -16,6 +16,7 @@ struct MountFinding {
   bool is_replaced = false;     ///< the ground lies elsewhere, and `mount` is where it is seen
   bool is_confirmed = false;    ///< the ground was seen where it was told to be
   bool is_upside_down = false;  ///< the ground lies above the camera: both images stand on their heads
+  double baseline_m = 0.0;      ///< of the camera, as told
   double scale_px_m = 0.0;      ///< focal length times baseline: disparity times depth
   /// Where the ground was seen as told: by how much it rises ahead, the median of the pairs. A camera that looks down
   /// by as much sees the same.
@@ -23,6 +24,9 @@ struct MountFinding {
   /// Disparity less that of infinity, of which hardly any place that was matched has less (one in fifty); 0 where not
   /// looked for.
   double farthest_px = 0.0;
+  /// Where no ground was seen at the heights that are looked for: that of one which lies deeper, as where the baseline
+  /// is too large; 0 for none.
+  double deep_ground_m = 0.0;
   double ground_share = 0.0;  ///< of the places that could be matched, those that lie on the ground, net of those below
 
   /// By how much more disparity the ground has than it is told to have, all over the images: where the camera looks

@@ -141,6 +141,15 @@ TEST(FindMount, TellsAPrincipalPointThatIsOffByLessThanTheRoadMakesUpFor) {
   EXPECT_NE(note->find("cx of one camera is some 5 to 12 px off"), std::string::npos) << *note;
 }
 
+TEST(FindMount, SeesGroundDeepBelowWhereTheBaselineIsInAnotherUnit) {
+  const OwnPair pair = render_ground(camera({1.2, radians(8.0), 0.0}, 0.12));
+  const RectifiedPair view = pair.view();
+  const MountFinding finding = find_mount({&view, 1}, camera({}, 1.2));
+  EXPECT_FALSE(finding.is_confirmed || finding.is_replaced || finding.is_upside_down);
+  EXPECT_NEAR(finding.deep_ground_m / 12.0, 1.0, kHeightShare);
+  EXPECT_EQ(finding.mount.height_m, finding.told.height_m);
+}
+
 TEST(FindMount, SaysNothingWhereNoGroundIsSeen) {
   OwnPair pair{640, 400, std::vector<std::uint8_t>(640 * 400, 90), std::vector<std::uint8_t>(640 * 400, 90)};
   RectifiedPair view = pair.view();
@@ -153,6 +162,7 @@ TEST(FindMount, SaysNothingWhereNoGroundIsSeen) {
   finding = find_mount({&view, 1}, camera(told, 0.12));
   EXPECT_FALSE(finding.is_confirmed || finding.is_replaced || finding.is_upside_down);
   EXPECT_EQ(finding.mount.height_m, told.height_m);
+  EXPECT_EQ(finding.deep_ground_m, 0.0);
 }
 
 TEST(FindMount, TakesNoPairsAndImagesOfOnePixel) {

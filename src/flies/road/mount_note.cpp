@@ -42,6 +42,23 @@ std::optional<std::string> doubt_on_offset(const MountFinding& finding) {
       std::min(offset_px, farthest_px), std::max(offset_px, farthest_px));
 }
 
+/// Ranges, and the height above the ground with them, grow with the baseline.
+std::string deep_ground_note(const MountFinding& finding) {
+  constexpr double kNear = 0.35;
+  const double factor = finding.deep_ground_m / finding.told.height_m;
+  std::string note = fmt::format(
+      "no road is seen where cameras of vehicles stand above it, but {0:.1f} m below this one: if it is that high, "
+      "give "
+      "--camera-height {0:.1f}; else its baseline of {1:.4g} m is too long",
+      finding.deep_ground_m, finding.baseline_m);
+  for (const auto& [unit, metres] :
+       {std::pair{"decimetres", 0.1}, std::pair{"inches", 0.0254}, std::pair{"feet", 0.3048}})
+    if (std::abs(factor * metres - 1.0) < kNear)
+      return note + fmt::format(" (was it meant in {}, {:.3g} m?)", unit, finding.baseline_m * metres);
+  return note + fmt::format(" ({:.3g} m would put the road {:.2f} m below it: was the square of the board too large?)",
+                            finding.baseline_m / factor, finding.told.height_m);
+}
+
 /// What else than a tilt of the camera makes the road appear as if it were tilted: a pitch adds as much to the
 /// disparities of all places as a principal point that is off does, a roll the more the farther to the right as another
 /// width of one image does.
@@ -77,6 +94,7 @@ std::optional<std::string> mount_note(const MountFinding& finding) {
   if (finding.is_upside_down)
     return "the ground lies above the camera: the images stand on their heads; turn both by 180 degrees and give the "
            "right one as the left, unless that is a ceiling";
+  if (finding.deep_ground_m > 0.0) return deep_ground_note(finding);
   if (!finding.is_replaced) return finding.is_confirmed ? doubt_on_offset(finding) : std::nullopt;
   const CameraMount &told = finding.told, &seen = finding.mount;
   std::string note = fmt::format(

@@ -84,6 +84,20 @@ TEST(MountNote, DoubtsThePrincipalPointLikewiseWhereTheMountIsReplaced) {
   EXPECT_THAT(*mount_note(found_with(6.0, 0.0, 16.0)), HasSubstr("cx of one camera is some 6 to 16 px off"));
 }
 
+TEST(MountNote, NamesTheBaselineWhereGroundLiesDeep) {
+  MountFinding finding{
+      .told = {kHeight_m, 0.0, 0.0}, .mount = {}, .baseline_m = 1.2, .scale_px_m = kScale_px_m, .deep_ground_m = 16.0};
+  EXPECT_THAT(*mount_note(finding),
+              HasSubstr("16.0 m below this one: if it is that high, give --camera-height 16.0; "
+                        "else its baseline of 1.2 m is too long (was it meant in decimetres, 0.12 m?)"));
+  finding.deep_ground_m = 70.0;
+  EXPECT_THAT(*mount_note(finding), HasSubstr("inches, 0.0305 m?"));
+  finding.deep_ground_m = 5.3;
+  EXPECT_THAT(*mount_note(finding), HasSubstr("feet, 0.366 m?"));
+  finding.deep_ground_m = 33.0;
+  EXPECT_THAT(*mount_note(finding), HasSubstr("0.06 m would put the road 1.65 m below it"));
+}
+
 TEST(MountNote, SaysUpAndLeftOfACameraThatLooksUpAndLeansToTheLeft) {
   MountFinding finding = found_with(0.0, 0.0, 2.0);
   finding.mount.pitch_rad = radians(-13.9);
