@@ -293,6 +293,27 @@ TEST_F(Check, AScaledCalibrationIsADoubtUnlessTheUserSaysThatImagesWereResized) 
   EXPECT_THAT(run_flies(folder.path(), resized).out, HasSubstr("looks right"));
 }
 
+TEST_F(Check, PaddedImagesAreRefusedAlsoWhenSaidToBeResized) {
+  write_text(folder.path() / "own.yaml",
+             "fx_px: 300\nfy_px: 300\ncx_px: 160\ncx_right_px: 160\ncy_px: 110\nbaseline_m: 0.5\n"
+             "width_px: 320\nheight_px: 240\nheight_m: 1.65\npitch_deg: 0\n");
+  for (const auto& [name, image] : {std::pair("left", street_pair().left), std::pair("right", street_pair().right)}) {
+    cv::Mat padded;
+    cv::copyMakeBorder(image, padded, 0, 6, 0, 4, cv::BORDER_CONSTANT, 0);
+    write_image(folder.path() / (std::string(name) + "-padded.png"), padded);
+  }
+  for (const Words& more : {Words{}, Words{"--resized"}}) {
+    Words words = {"check", "left-padded.png", "right-padded.png", "--calib", "own.yaml"};
+    words.insert(words.end(), more.begin(), more.end());
+    const RunResult result = run_flies(folder.path(), words);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(result.err, HasSubstr("(left 0, right 4, top 0, bottom 6 px)"));
+    EXPECT_THAT(result.err, HasSubstr("What is left, 320 x 240 px"));
+  }
+  const RunResult whole = run_flies(folder.path(), {"check", "left.png", "right.png", "--calib", "own.yaml"});
+  EXPECT_THAT(whole.out, HasSubstr("looks right")) << whole.err;
+}
+
 TEST_F(Check, ListsWhatIsOddAboutThePairing) {
   write_folders(folder.path(), 3, 2);
   const RunResult result = run_flies(folder.path(), {"check", "l", "r", "--calib", "calib.txt"});

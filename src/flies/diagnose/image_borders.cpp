@@ -32,7 +32,8 @@ ImageBorders find_borders(const RectifiedPair& pair) {
   while (row_is_empty(height_px - 1 - borders.bottom_px)) ++borders.bottom_px;
   const int first_v = borders.top_px, end_v = height_px - borders.bottom_px;
   const auto column_is_empty = [&](int u) {
-    return is_of_one_level(pair.left, u, u + 1, first_v, end_v) && is_of_one_level(pair.right, u, u + 1, first_v, end_v);
+    return is_of_one_level(pair.left, u, u + 1, first_v, end_v) &&
+           is_of_one_level(pair.right, u, u + 1, first_v, end_v);
   };
   while (borders.left_px < width_px && column_is_empty(borders.left_px)) ++borders.left_px;
   if (borders.left_px == width_px) return {};

@@ -44,7 +44,7 @@ std::optional<std::string> doubt_on_offset(const MountFinding& finding) {
 
 /// Ranges, and the height above the ground with them, grow with the baseline.
 std::string deep_ground_note(const MountFinding& finding) {
-  constexpr double kNear = 0.35;
+  constexpr double kNear = 0.25;
   const double factor = finding.deep_ground_m / finding.told.height_m;
   std::string note = fmt::format(
       "no road is seen where cameras of vehicles stand above it, but {0:.1f} m below this one: if it is that high, "
