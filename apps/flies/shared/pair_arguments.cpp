@@ -78,16 +78,14 @@ void check_not_padded(const std::string& calib, flies::CalibrationRequest reques
                       const flies::RectifiedPair& images) {
   const flies::ImageBorders borders = flies::find_borders(images);
   if (!borders.any()) return;
-  int width_px = request.calibrated_width_px, height_px = request.calibrated_height_px;
-  if (width_px == 0) {
-    request.width_px = request.height_px = 0;
-    request.images_are_resized = false;
-    try {
-      const auto camera = flies::load_calibration(calib, request).camera;
-      width_px = camera.width_px;
-      height_px = camera.height_px;
-    } catch (const flies::InputError&) {  // told when it is read for these images
-    }
+  int width_px = 0, height_px = 0;
+  request.width_px = request.height_px = 0;
+  request.images_are_resized = false;
+  try {
+    const auto camera = flies::load_calibration(calib, request).camera;
+    width_px = camera.width_px > 0 ? camera.width_px : request.calibrated_width_px;
+    height_px = camera.height_px > 0 ? camera.height_px : request.calibrated_height_px;
+  } catch (const flies::InputError&) {  // told when it is read for these images
   }
   const int all_width_px = images.left.width_px, all_height_px = images.left.height_px;
   if (width_px == 0 || (all_width_px == width_px && all_height_px == height_px)) return;

@@ -85,8 +85,8 @@ void check_camera_fits(const StereoCamera& camera, int width_px, int height_px, 
           source, "image size",
           fmt::format("the calibration is for {} x {} px, the images have {} x {} px: were they resized by {:.3g} "
                       "across and {:.3g} down (then: --resized), letterboxed (then cut the borders off), or cropped? "
-                      "Then take the columns and rows that were cut off "
-                      "at the left and at the top from cx and cy, and give the size of the images",
+                      "Then take the columns and rows that were cut off at the left and at the top from cx and cy, and "
+                      "give the size of the images",
                       camera.width_px, camera.height_px, width_px, height_px,
                       static_cast<double>(width_px) / camera.width_px,
                       static_cast<double>(height_px) / camera.height_px));

@@ -110,8 +110,7 @@ std::optional<std::string> told_places(const PairDiagnosis& d) {
   return fmt::format(
       "{:.0f} % of the places that are found would lie beyond infinity: the cameras look towards each other "
       "or a principal point is wrong, so ranges are too; check cx of both cameras, whether the calibration is of raw "
-      "or "
-      "of rectified images, and that both were taken at the same moment",
+      "or of rectified images, and that both were taken at the same moment",
       100.0 * d.beyond_share());
 }
 
@@ -182,8 +181,7 @@ void add_what_is_seen_badly(const PairDiagnosis& d, std::vector<std::string>& fo
   if (d.left_steps.is_blurred() && d.right_steps.is_blurred())
     found.push_back(
         "both images are blurred, nothing in them is sharp to a pixel: are both cameras out of focus, or were the "
-        "images "
-        "enlarged?");
+        "images enlarged?");
   const bool is_hidden = std::max(d.dark_share, d.bright_share) > kMuchHidden;
   if (is_hidden)
     found.push_back(fmt::format("nothing can be seen in much of the image: {}", what_hides(d)));

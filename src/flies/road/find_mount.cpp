@@ -277,17 +277,22 @@ RoadsSeen see_roads(std::span<const RectifiedPair> pairs, const StereoCamera& ca
   return {share, median(std::move(slopes)).value_or(0.0)};
 }
 
-/// The mount beside the told one that shows more of the road's probes on the road: a few centimetres or a degree are
-/// more than the search for the road of each pair makes up for where the road is bare.
-std::optional<CameraMount> nearby_mount(const Evidence& evidence, std::span<const RectifiedPair> pairs,
-                                        const StereoCamera& camera, double told_road) {
+/// What the pairs say of mounts around the told one.
+std::vector<Vote> votes_near_told(const Evidence& evidence) {
   std::vector<Vote> votes;
   for (Vote vote : evidence.votes) {
     vote.mount = vote.near_told;
     vote.support = vote.told_support;
     votes.push_back(vote);
   }
-  const auto mount = agreed_mount(votes, kGroundShare);
+  return votes;
+}
+
+/// The mount beside the told one that shows more of the road's probes on the road: a few centimetres or a degree are
+/// more than the search for the road of each pair makes up for where the road is bare.
+std::optional<CameraMount> nearby_mount(const Evidence& evidence, std::span<const RectifiedPair> pairs,
+                                        const StereoCamera& camera, double told_road) {
+  const auto mount = agreed_mount(votes_near_told(evidence), kGroundShare);
   if (!mount) return std::nullopt;
   StereoCamera moved = camera;
   moved.mount = *mount;
@@ -335,6 +340,9 @@ MountFinding find_mount(std::span<const RectifiedPair> given, const StereoCamera
   finding.is_confirmed = is_as_told && !mount && finding.ground_share >= kGroundShare;
   finding.is_replaced = mount.has_value();
   if (mount) finding.mount = *mount;
+  if (finding.is_confirmed)
+    if (const auto near_told = agreed_mount(votes_near_told(evidence), kGroundShare))
+      finding.slope = std::tan(near_told->pitch_rad - finding.told.pitch_rad);
   if (!mount && !finding.is_confirmed) finding.deep_ground_m = deep_ground_m(evidence.each);
   return finding;
 }

@@ -36,8 +36,7 @@ std::optional<std::string> doubt_on_offset(const MountFinding& finding) {
   return fmt::format(
       "Hardly anything is seen farther away than {:.0f} m, and the road rises by as much as where the camera looks "
       "{:.1f} degrees farther down: is the view closed there? Else cx of one camera is some {:.0f} to {:.0f} px off, "
-      "and what is "
-      "seen is farther away than it is said to be",
+      "and what is seen is farther away than it is said to be",
       farthest_m, degrees(std::atan(offset_px * finding.told.height_m / finding.scale_px_m)),
       std::min(offset_px, farthest_px), std::max(offset_px, farthest_px));
 }
@@ -48,8 +47,7 @@ std::string deep_ground_note(const MountFinding& finding) {
   const double factor = finding.deep_ground_m / finding.told.height_m;
   std::string note = fmt::format(
       "no road is seen where cameras of vehicles stand above it, but {0:.1f} m below this one: if it is that high, "
-      "give "
-      "--camera-height {0:.1f}; else its baseline of {1:.4g} m is too long",
+      "give --camera-height {0:.1f}; else its baseline of {1:.4g} m is too long",
       finding.deep_ground_m, finding.baseline_m);
   for (const auto& [unit, metres] :
        {std::pair{"decimetres", 0.1}, std::pair{"inches", 0.0254}, std::pair{"feet", 0.3048}})
