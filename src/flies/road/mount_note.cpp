@@ -34,7 +34,7 @@ std::optional<std::string> doubt_on_offset(const MountFinding& finding) {
   const double farthest_m = finding.scale_px_m / farthest_px;
   if (farthest_m < kRoom_m) return std::nullopt;
   return fmt::format(
-      "Hardly anything is seen farther away than {:.0f} m, and the road rises by as much as where the camera looks "
+      "hardly anything is seen farther away than {:.0f} m, and the road rises by as much as where the camera looks "
       "{:.1f} degrees farther down: is the view closed there? Else cx of one camera is some {:.0f} to {:.0f} px off, "
       "and what is seen is farther away than it is said to be",
       farthest_m, degrees(std::atan(offset_px * finding.told.height_m / finding.scale_px_m)),
@@ -78,7 +78,7 @@ std::string other_causes_of_tilt(const MountFinding& finding) {
   if (rolls && !pitches)
     return fmt::format(". If it leans {}, one image is narrower than the other: were they resized alike?",
                        roll_words(finding.told.roll_rad));
-  if (const auto doubt = pitches ? std::nullopt : doubt_on_offset(finding)) return ". " + *doubt;
+  if (const auto doubt = pitches ? std::nullopt : doubt_on_offset(finding)) return "; " + *doubt;
   return "";
 }
 
