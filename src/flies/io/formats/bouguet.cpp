@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "flies/core/error.hpp"
 #include "flies/io/formats/raw_pair.hpp"

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <set>
 #include <string>
 
 #include "flies/core/error.hpp"
 #include "flies/io/calibration_formats.hpp"
 #include "flies/io/formats/lens_names.hpp"
+#include "flies/io/formats/nesting.hpp"
 #include "flies/io/formats/quantities.hpp"
 
 namespace flies::detail {
@@ -39,6 +41,23 @@ std::string word_for_lens(const NumberTable& table) {
                    "all in one go); of rectified images --baseline M will do");
 }
 
+/// A file that says of one camera below no other key: without what stands below keys that hold cameras of their own.
+NumberTable less_other_cameras(NumberTable table) {
+  const auto is_on_top = [](const std::string& key) { return key.find('.') == std::string::npos; };
+  NumberTable on_top{table.source, {}};
+  std::set<std::string> groups;
+  for (const auto& [key, entry] : table.entries)
+    if (is_on_top(key))
+      on_top.entries.emplace(key, entry);
+    else
+      groups.insert(key.substr(0, key.find('.') + 1));
+  if (!has_camera(on_top)) return table;
+  for (const auto& group : groups)
+    if (has_camera(below(table, group)))
+      std::erase_if(table.entries, [&](const auto& item) { return item.first.starts_with(group); });
+  return table;
+}
+
 double baseline_of(const NumberTable& table, const FoundCamera& camera, const CalibrationRequest& request) {
   if (const auto baseline = baseline_in(table, camera.fx_px)) return baseline->value;
   if (!request.right_path.empty() || (has_lens(table) && !request.baseline_m))
@@ -48,7 +67,8 @@ double baseline_of(const NumberTable& table, const FoundCamera& camera, const Ca
 
 Calibration read_flat(const NumberTable& table, const CalibrationRequest& request) {
   Calibration calibration;
-  const FoundCamera found = camera_in(table, calibration.notes);
+  const NumberTable own = less_other_cameras(table);
+  const FoundCamera found = camera_in(own, calibration.notes);
   auto& camera = calibration.camera;
   camera.fx_px = found.fx_px;
   camera.fy_px = found.fy_px;
@@ -59,7 +79,7 @@ Calibration read_flat(const NumberTable& table, const CalibrationRequest& reques
   if (!request.right_path.empty())
     throw InputError(request.right_path, "right calibration",
                      fmt::format("is not used: {} says all of a rectified pair in one file", table.source));
-  const auto size = size_in(table);
+  const auto size = size_in(own);
   camera.width_px = size.width_px;
   camera.height_px = size.height_px;
   calibration.left_name = calibration.right_name = found.key;

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <initializer_list>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -67,6 +68,11 @@ std::string plain_name(std::string_view key) {
 }
 
 bool is_on_top(std::string_view key) { return key.find('.') == std::string_view::npos; }
+
+/// Whether a key stands below the same keys as another.
+bool is_beside(std::string_view key, std::string_view other) {
+  return key.substr(0, key.rfind('.') + 1) == other.substr(0, other.rfind('.') + 1);
+}
 
 /// The keys of entries whose name is one of these, as far as `fits` says so.
 template <typename Fits>
@@ -184,7 +190,7 @@ FoundNumber baseline_at(const NumberTable& table, const std::string& key, std::o
   const auto& entry = table.entries.find(key)->second;
   const auto behind = metres_per(table.word(key));
   if (!unit && entry.numbers.size() == 1 && behind) return {key, entry.numbers[0] * *behind};
-  return {key, table.require_number(key) * unit.value_or(unit_in(table).value_or(1.0))};
+  return {key, table.require_number(key) * unit.value_or(unit_of(table, key).value_or(1.0))};
 }
 
 /// 640x480 in one word, or with blanks.
@@ -229,9 +235,18 @@ FoundCamera camera_in(const NumberTable& table, CalibrationNotes& notes) {
   return camera;
 }
 
-std::optional<double> unit_in(const NumberTable& table) {
-  const auto is_word = [](const auto&, const NumberEntry& entry) { return !entry.not_a_number.empty(); };
-  const auto keys = keys_of(table, kUnit, is_word);
+std::optional<double> unit_of(const NumberTable& table, const std::string& length) {
+  constexpr std::string_view kPixels[] = {"px", "pixel", "pixels"};  // of focal lengths
+  const auto says_unit = [&](const std::string& key, const NumberEntry& entry) {
+    return !entry.not_a_number.empty() && std::ranges::find(kPixels, table.word(key)) == std::end(kPixels);
+  };
+  auto keys = keys_of(table, kUnit, [&](const std::string& key, const NumberEntry& entry) {
+    return is_beside(key, length) && says_unit(key, entry);
+  });
+  if (keys.empty())
+    keys = keys_of(table, kUnit, [&](const std::string& key, const NumberEntry& entry) {
+      return is_on_top(key) && says_unit(key, entry);
+    });
   if (keys.empty()) return std::nullopt;
   const std::string word = table.word(keys[0]);
   const auto unit = metres_per(word.substr(word.rfind('.') + 1));  // of Python's Unit.MILLIMETER
@@ -250,7 +265,7 @@ void check_same_length(const FoundNumber& one, const FoundNumber& other, const s
 std::optional<FoundNumber> baseline_in(const NumberTable& table, double fx_px) {
   std::vector<FoundNumber> found;
   for (const auto& [key, entry] : table.entries)
-    if (const auto unit = unit_of_baseline(plain_name(key)); unit && entry.numbers.size() <= 1)
+    if (const auto unit = unit_of_baseline(plain_name(key)); unit && is_number(key, entry))
       found.push_back(baseline_at(table, key, *unit));
   if (found.empty())
     for (const auto& key : keys_of(table, kShortBaseline, is_number))
@@ -263,7 +278,7 @@ std::optional<FoundNumber> baseline_in(const NumberTable& table, double fx_px) {
   if (!found.empty()) return found[0];
   const auto shifts = keys_of(table, kShift, is_number);
   if (shifts.empty() || !is_on_top(shifts[0])) return std::nullopt;
-  return FoundNumber{shifts[0], std::abs(table.require_number(shifts[0]))};
+  return FoundNumber{shifts[0], std::abs(baseline_at(table, shifts[0], std::nullopt).value)};
 }
 
 ImageSize size_in(const NumberTable& table) {

@@ -35,9 +35,9 @@ FoundCamera camera_in(const NumberTable& table, CalibrationNotes& notes);
 /// @throws InputError when two places say different things
 std::optional<FoundNumber> baseline_in(const NumberTable& table, double fx_px);
 
-/// Metres per unit of the lengths in a file, where it says so: `units: mm`.
+/// Metres per unit of the length at this key, where the file says so beside it or below no other key: `units: mm`.
 /// @throws InputError when it names an unknown one
-std::optional<double> unit_in(const NumberTable& table);
+std::optional<double> unit_of(const NumberTable& table, const std::string& length);
 
 /// width and height, or both in one: resolution: [640, 480], image_size: 640x480, image_shape: [480, 640]; 0 x 0 when
 /// the file has none.

@@ -52,7 +52,9 @@ TEST(Quantities, BaselinesAreReadInTheUnitThatTheFileNames) {
   for (const char* baseline :
        {"baseline_mm: 120\n", "baseline_cm: 12\n", "baselineInMeters: 0.12\n", "stereo_baseline: 0.12\n",
         "baseline: 120 mm\n", "baseline: 12\nunits: cm\n", "baseline: 120\nbaseline_unit: MILLIMETERS\n",
-        "baseline_mm: 120\nunits: m\n", "bf: 84\n", "baseline: 0.12\nbf: 84\n", "b: 0.12\n", "Tx: -0.12\n"})
+        "baseline_mm: 120\nunits: m\n", "bf: 84\n", "baseline: 0.12\nbf: 84\n", "b: 0.12\n", "Tx: -0.12\n",
+        "Tx: -120\nunits: mm\n", "baseline: 0.12\nunits: px\n", "baseline: 0.12\nboard: {units: cm}\n",
+        "units: cm\nrig: {baseline: 120, units: mm}\n"})
     expect_camera(kCamera + kSize + baseline);
 }
 
@@ -99,6 +101,20 @@ TEST(Quantities, WhatTwoPlacesSayDifferentlyIsRefused) {
   EXPECT_THAT(error("a: {K: [700, 0, 320, 0, 710, 240, 0, 0, 1]}\nb: {K: [400, 0, 320, 0, 400, 240, 0, 0, 1]}\n"),
               HasSubstr("a.K: stands in the file as b.K too, with other numbers"));
   EXPECT_THAT(error("fx: 700,5\ncx: 320,1\ncy: 240\nbaseline: 0.12\n"), HasSubstr("fx: found 2 numbers, expected 1"));
+  EXPECT_THAT(error(kCamera + "baseline: 0,12\n"), HasSubstr("baseline: found 2 numbers, expected 1"));
+}
+
+TEST(Quantities, AnotherCameraBelowAKeySaysNothingOfTheOneBelowNone) {
+  const TemporaryFolder folder;
+  const auto camera =
+      load_calibration(folder.write("c",
+                                    "fx: 700\ncx: 320\ncy: 240\nbaseline: 0.12\n"
+                                    "rgb: {fx: 1400, fy: 1500, cx: 640, cx1: 650, cy: 360, width: 1280, height: 720}"
+                                    "\n"))
+          .camera;
+  EXPECT_EQ(camera.fy_px, 700.0);
+  EXPECT_EQ(camera.cx_right_px, 320.0);
+  EXPECT_EQ(camera.width_px, 0);
 }
 
 TEST(Quantities, SizesAreListsAndWordsToo) {
@@ -157,6 +173,10 @@ TEST(Quantities, TwoCamerasStandAsRAndTOrATransformSay) {
   }
   EXPECT_THAT(error(sides(rig) + r + t + "baseline: 0.5\n"), HasSubstr("baseline, T: say 0.5 m and 0.1201 m"));
   EXPECT_THAT(error(sides(rig) + t), HasSubstr("R: is missing"));
+  const std::string others =
+      "rgb: {fx: 900, fy: 900, cx: 320, cy: 240}\nextrinsics: {translation: [-0.12, 0, 0], "
+      "rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1]}\n";
+  EXPECT_EQ(error(sides(rig) + others + fmt::format("baseline: 0.12\nbf: {}\n", 0.12 * rig.m1(0, 0))), "no error");
   EXPECT_THAT(error(sides(rig)), HasSubstr("baseline (or R and T, "));
 }
 

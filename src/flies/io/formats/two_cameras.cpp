@@ -155,7 +155,7 @@ Pose stereo_transform(const NumberTable& table, const std::string& key, Calibrat
   constexpr double kLeastMillimetres = 10.0;
   const auto& t = left_from_right.translation;
   const bool is_millimetres = std::hypot(t[0], t[1], t[2]) >= kLeastMillimetres;
-  const auto unit = unit_in(table);
+  const auto unit = unit_of(table, key);
   if (!unit && is_millimetres)
     notes.push_back({key + " is taken as millimetres, as the ZED SDK has them (--baseline M says otherwise)"});
   return inverse(scaled(left_from_right, unit.value_or(is_millimetres ? 1e-3 : 1.0)));
@@ -221,9 +221,10 @@ Calibration read_two_cameras(const NumberTable& whole, const CalibrationRequest&
                names.second,
                "extrinsics",
                std::move(notes)};
-  set_pose(pair.stereo, dumped_pose(beside, pair.stereo.left.matrix[0], request, pair.notes));
+  const double fx_px = pair.stereo.left.matrix[0];
+  set_pose(pair.stereo, dumped_pose(beside, fx_px, request, pair.notes));
   if (cameras.names.size() > 2)
-    pair.notes.push_back(note_on_others(cameras, pair, beside.has(kTranslation) && !baseline_in(beside, 0.0)));
+    pair.notes.push_back(note_on_others(cameras, pair, beside.has(kTranslation) && !baseline_in(beside, fx_px)));
   return calibration_from_pair(std::move(pair), request, table.source);
 }
 
