@@ -252,8 +252,11 @@ std::optional<Prefixes> messages_in(const NumberTable& table) {
     if (is_projection && has("width") && has("distortion_model") && (has("K") || has("k")) && (has("R") || has("r")))
       cameras.push_back(prefix);
   }
-  if (cameras.size() != 2 || !is_left_and_right(cameras[0], cameras[1])) return std::nullopt;
-  return Prefixes{cameras[0], cameras[1]};
+  std::vector<Prefixes> pairs;
+  for (const auto& left : cameras)
+    for (const auto& right : cameras)
+      if (is_left_and_right(left, right)) pairs.push_back({left, right});
+  return pairs.size() == 1 ? std::optional(pairs[0]) : std::nullopt;
 }
 
 Calibration read_ros(const NumberTable& table, const CalibrationRequest& request) {

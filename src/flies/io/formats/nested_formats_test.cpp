@@ -153,7 +153,8 @@ TEST(NestedFormats, MessagesMayStandInAListOrBelowTheirTopics) {
   const std::string left = indented(message(rig.m1, rig.d1, to.r1, to.p1)),
                     right = indented(message(rig.m2, rig.d2, to.r2, to.p2));
   for (const std::string& text :
-       {"/stereo/left/camera_info:\n" + left + "/stereo/right/camera_info:\n" + right, "-\n" + left + "-\n" + right}) {
+       {"/stereo/left/camera_info:\n" + left + "/stereo/right/camera_info:\n" + right, "-\n" + left + "-\n" + right,
+        "color:\n" + right + "left:\n" + left + "right:\n" + right}) {
     SCOPED_TRACE(text);
     const auto path = folder.write("c.yaml", text);
     EXPECT_NEAR(load_calibration(path).camera.baseline_m, cv::norm(rig.t), kWritten_m);
