@@ -1,6 +1,7 @@
 #include "flies/io/foreign_files.hpp"
 
-#include <initializer_list>
+#include <algorithm>
+#include <array>
 #include <string_view>
 
 #include "flies/core/error.hpp"
@@ -48,31 +49,31 @@ constexpr Binary kBinaries[] = {
 
 /// Texts, by words that all stand in them.
 struct Text {
-  std::initializer_list<std::string_view> words;
+  std::array<std::string_view, 2> words;
   const char* complaint;
 };
+
+constexpr Text kTexts[] = {
+    {{"!!python/object", "numpy"},
+     "was written by yaml.dump with NumPy's numbers in it, which only Python reads: write it again with "
+     ".tolist() behind each array and float() around each number"},
+    {{"Camera-system parameters:", "projection:"},
+     "is the text of Kalibr's results (results-cam): give camchain-*.yaml, which it writes beside it"},
+    {{"  p[", "  f["},
+     "holds intrinsics of a RealSense as Python prints them: give what rs-enumerate-devices -c writes, or JSON "
+     "of fx, fy, ppx, ppy, width, height, coeffs of each camera and the baseline"},
+    {{"relative_config_imucam:"},
+     "is OpenVINS's estimator_config: give the file of the cameras that it names as relative_config_imucam "
+     "(kalibr_imucam_chain.yaml)"}};
 
 }  // namespace
 
 void check_no_foreign_file(const std::string& bytes, const std::string& path) {
   for (const auto& [first_bytes, complaint] : kBinaries)
     if (bytes.starts_with(first_bytes)) throw InputError(path, "format", complaint);
-  for (const auto& [words, complaint] :
-       {Text{{"!!python/object", "numpy"},
-             "was written by yaml.dump with NumPy's numbers in it, which only Python reads: write it again with "
-             ".tolist() behind each array and float() around each number"},
-        Text{{"Camera-system parameters:", "projection:"},
-             "is the text of Kalibr's results (results-cam): give camchain-*.yaml, which it writes beside it"},
-        Text{{"  p[", "  f["},
-             "holds intrinsics of a RealSense as Python prints them: give what rs-enumerate-devices -c writes, or JSON "
-             "of fx, fy, ppx, ppy, width, height, coeffs of each camera and the baseline"},
-        Text{{"relative_config_imucam:"},
-             "is OpenVINS's estimator_config: give the file of the cameras that it names as relative_config_imucam "
-             "(kalibr_imucam_chain.yaml)"}}) {
-    bool has_all = true;
-    for (const auto word : words) has_all = has_all && bytes.find(word) != std::string::npos;
-    if (has_all) throw InputError(path, "format", complaint);
-  }
+  for (const auto& [words, complaint] : kTexts)
+    if (std::ranges::all_of(words, [&](std::string_view word) { return bytes.find(word) != std::string::npos; }))
+      throw InputError(path, "format", complaint);
 }
 
 }  // namespace flies::detail
