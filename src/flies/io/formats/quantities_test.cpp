@@ -163,10 +163,12 @@ TEST(Quantities, TwoCamerasStandAsRAndTOrATransformSay) {
   const cv::Mat pose = right_from_left(rig), inverted = pose.inv();
   cv::Mat in_millimetres = inverted.clone();
   in_millimetres(cv::Rect(3, 0, 1, 3)) *= 1000.0;
-  const std::string r = "R: " + rows(cv::Mat(rig.r)) + "\n", t = "T: " + list({rig.t[0], rig.t[1], rig.t[2]}) + "\n";
+  const std::string r = "R: " + rows(cv::Mat(rig.r)) + "\n", t = "T: " + list({rig.t[0], rig.t[1], rig.t[2]}) + "\n",
+                    in_centimetres = "T: " + list({100 * rig.t[0], 100 * rig.t[1], 100 * rig.t[2]}) + "\n";
   for (const std::string& between :
        {r + t, "stereo_transform: " + rows(inverted) + "\n", "stereo_transform: " + rows(in_millimetres) + "\n",
-        "unit: mm\nstereo_transform: " + rows(in_millimetres) + "\n", "extrinsics_left_to_right: " + rows(pose) + "\n",
+        "unit: mm\nstereo_transform: " + rows(in_millimetres) + "\n", "units: cm\n" + r + in_centimetres,
+        "extrinsics_left_to_right: " + rows(pose) + "\n",
         r + t + fmt::format("baseline_mm: {}\n", 1000 * cv::norm(rig.t))}) {
     SCOPED_TRACE(between);
     expect_rectifies(load_calibration(folder.write("c", sides(rig) + between)), rig);

@@ -170,10 +170,13 @@ std::optional<FoundPose> pose_in(const NumberTable& table, CalibrationNotes& not
   }
   if (const auto key = key_of_stereo_transform(table)) return FoundPose{stereo_transform(table, *key, notes), *key};
   const OpenCvNames names = opencv_names(table);
-  if (!names.pose.empty()) return FoundPose{pose_of(table, names.pose, notes), names.pose};
+  const auto in_metres = [&](const Pose& pose, const std::string& key) {
+    return FoundPose{scaled(pose, unit_of(table, key).value_or(1.0)), key};
+  };
+  if (!names.pose.empty()) return in_metres(pose_of(table, names.pose, notes), names.pose);
   if (!table.has(names.translation)) return std::nullopt;
   const auto& t = table.require(names.translation, 3);
-  return FoundPose{{rotation_of(table, names.rotation, notes), {t[0], t[1], t[2]}}, names.translation};
+  return in_metres({rotation_of(table, names.rotation, notes), {t[0], t[1], t[2]}}, names.translation);
 }
 
 Pose dumped_pose(const NumberTable& table, double fx_px, const CalibrationRequest& request, CalibrationNotes& notes) {
