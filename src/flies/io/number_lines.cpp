@@ -63,6 +63,15 @@ std::optional<std::string> section_name(const std::string& line) {
   return name;
 }
 
+/// What stands between the quotes round all of a value, as TOML and MATLAB write words. One behind a bracket
+/// transposes.
+std::string unquoted(const std::string& value) {
+  std::string text = trimmed(value);
+  if (text.ends_with(';')) text = trimmed(std::string_view(text).substr(0, text.size() - 1));
+  const bool is_quoted = text.size() > 1 && text.front() == text.back() && (text[0] == '"' || text[0] == '\'');
+  return is_quoted ? text.substr(1, text.size() - 2) : value;
+}
+
 /// One `key<separator>numbers` a line; rows of a matrix may go on below their key, keys stand below their section.
 void parse_keyed_lines(const std::vector<std::string>& lines, char separator, NumberTable& table) {
   NumberEntry* last = nullptr;
@@ -84,7 +93,7 @@ void parse_keyed_lines(const std::vector<std::string>& lines, char separator, Nu
     const std::string key = section + name;
     if (table.has(key)) throw InputError(table.source, key, "stands in the file twice");
     last = &table.entries[key];
-    append_words(*last, line.substr(at + 1));
+    append_words(*last, unquoted(line.substr(at + 1)));
   }
 }
 

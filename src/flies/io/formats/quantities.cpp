@@ -193,7 +193,7 @@ FoundNumber baseline_at(const NumberTable& table, const std::string& key, std::o
   return {key, table.require_number(key) * unit.value_or(unit_of(table, key).value_or(1.0))};
 }
 
-/// 640x480 in one word, or with blanks.
+/// 640x480 or 640*480 in one word, or with blanks.
 std::optional<ImageSize> size_of_words(const NumberTable& table, const std::string& key) {
   const auto& entry = table.entries.find(key)->second;
   const std::string word = table.word(key);
@@ -202,7 +202,7 @@ std::optional<ImageSize> size_of_words(const NumberTable& table, const std::stri
     split.entries[key].numbers = entry.numbers;
     return size_of_list(split, key);
   }
-  const auto at = word.find('x');
+  const auto at = word.find_first_of("x*");
   const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
   if (!entry.numbers.empty() || at == std::string::npos || at == 0 || at + 1 == word.size() || word.size() > 12 ||
       !std::all_of(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(at), is_digit) ||

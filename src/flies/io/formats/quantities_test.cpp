@@ -58,6 +58,13 @@ TEST(Quantities, BaselinesAreReadInTheUnitThatTheFileNames) {
     expect_camera(kCamera + kSize + baseline);
 }
 
+TEST(Quantities, LinesOfAssignmentsMayQuoteWords) {
+  const std::string lines = "fx = 700\nfy = 710\ncx = 320\ncy = 240\n";
+  expect_camera(lines + "baseline = 120\nunits = \"mm\"\nresolution = '640x480'; % of the images\n");
+  expect_camera(lines + "baseline = \"12 cm\"  # of the box\nwidth = 640\nheight = 480\n");
+  EXPECT_THAT(error("K = [700 0 0; 0 700 0; 320 240 1]'\nbaseline = 0.12\n"), HasSubstr("K: found '''"));
+}
+
 TEST(Quantities, TwoBaselinesThatDifferAreRefused) {
   EXPECT_THAT(error(kCamera + "baseline: 0.12\nbf: 42\n"),
               HasSubstr("baseline, bf: say 0.12 m and 0.06 m, expected the same distance of the cameras"));
@@ -118,9 +125,10 @@ TEST(Quantities, AnotherCameraBelowAKeySaysNothingOfTheOneBelowNone) {
 }
 
 TEST(Quantities, SizesAreListsAndWordsToo) {
-  for (const char* size : {"resolution: [640, 480]\n", "resolution: 640x480\n", "image_size: 640 x 480\n",
-                           "image_size: {width: 640, height: 480}\n", "image_shape: [480, 640, 3]\n",
-                           "imageShape: [480, 640]\n", "img_width: 640\nimg_height: 480\n"})
+  for (const char* size :
+       {"resolution: [640, 480]\n", "resolution: 640x480\n", "frame_size: 640*480\n", "image_size: 640 x 480\n",
+        "image_size: {width: 640, height: 480}\n", "image_shape: [480, 640, 3]\n", "imageShape: [480, 640]\n",
+        "img_width: 640\nimg_height: 480\n"})
     expect_camera(kCamera + "baseline: 0.12\n" + size);
   EXPECT_THAT(error(kCamera + "baseline: 0.12\nimage_size: [480, 640]\n"), HasSubstr("are swapped"));
 }
