@@ -227,7 +227,7 @@ void detail::check_said_size(int width_px, int height_px, const CalibrationReque
   if (said_width_px == 0 || (width_px == said_width_px && height_px == said_height_px)) return;
   throw InputError(source, "image size",
                    fmt::format("is {} x {} px in the file, and {} x {} px was said (--calib-size), which is for files "
-                               "that do not say it: leave it out, or correct the file",
+                               "that say none, or several: leave it out, or correct the file",
                                width_px, height_px, said_width_px, said_height_px));
 }
 
