@@ -30,6 +30,22 @@ TEST_F(LiveCommand, FilmsThatEndEarlyAreTold) {
   EXPECT_THAT(shorter.err, HasSubstr("r.avi: ends after 0.20 s, l.avi is 0.40 s long"));
 }
 
+TEST_F(LiveCommand, AFilmOfOneCameraNeedsThatOfTheOther) {
+  write_text(folder.path() / "sized.yaml",
+             "fx_px: 320\ncx_px: 160\ncy_px: 120\nbaseline_m: 0.5\nwidth_px: 320\nheight_px: 241\n");
+  for (const char* calibration : {"sized.yaml", "calib.txt"})
+    for (const char* split : {"side", "top"}) {
+      const RunResult result = run({"l.avi", "--calib", calibration, "--split", split});
+      EXPECT_EQ(result.status, 2);
+      EXPECT_THAT(result.err, HasSubstr("l.avi: image size: a whole picture has 320 x 240 px, for which the "
+                                        "calibration is; expected the left and the right picture in each"))
+          << calibration << " " << split;
+    }
+  const RunResult other = run({"beside.avi", "--calib", "sized.yaml", "--split", "top"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err, Not(HasSubstr("a whole picture")));
+}
+
 TEST_F(LiveCommand, ColoursAreNoMosaic) {
   const RunResult gray = run({"beside.avi", "--calib", "calib.txt", "--every-pair", "--bayer", "rggb"});
   EXPECT_EQ(gray.status, 0) << gray.err;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdlib>
 #include <iterator>
 #include <thread>
 #include <utility>
@@ -92,6 +94,51 @@ bool LiveRun::wait_for_pair(flies::StereoFrame& frame) {
 }
 
 void LiveRun::calibrate(const flies::StereoFrame& frame) {
+  try {
+    fit_calibration(frame);
+  } catch (const flies::InputError&) {
+    check_not_halved(frame);
+    throw;
+  }
+}
+
+/// The pictures of one source are halved, also where each is but one of the two.
+/// @throws flies::InputError where they, as wholes, have the size that the calibration is for
+void LiveRun::check_not_halved(const flies::StereoFrame& frame) const {
+  constexpr int kCutOff_px = 2;                  // films have even sides
+  constexpr double kMiddle = 0.1, kAside = 0.2;  // of the size: a principal point
+  if (!request_.stream.folder.empty() || request_.stream.sources.size() != 1) return;
+  const auto view = frame.images.view();
+  const bool is_top_bottom = request_.stream.layout == flies::PairLayout::top_bottom;
+  const int width_px = view.left.width_px * (is_top_bottom ? 1 : 2);
+  const int height_px = view.left.height_px * (is_top_bottom ? 2 : 1);
+  auto request = calibration_request(request_.camera, frame.left_name, frame.right_name, view);
+  request.width_px = request.height_px = 0;
+  flies::StereoCamera camera;
+  try {
+    camera = flies::load_calibration(request_.calib, request).camera;
+  } catch (const flies::InputError&) {  // the fault of the halves is told
+    return;
+  }
+  const auto offset = [&](int width, int height) {
+    return std::max(std::abs(camera.cx_px / width - 0.5), std::abs(camera.cy_px / height - 0.5));
+  };
+  const bool has_size = camera.width_px > 0 && camera.height_px > 0;
+  const bool is_for_wholes =
+      has_size
+          ? std::abs(camera.width_px - width_px) <= kCutOff_px && std::abs(camera.height_px - height_px) <= kCutOff_px
+          : offset(width_px, height_px) < kMiddle && offset(view.left.width_px, view.left.height_px) > kAside;
+  if (!is_for_wholes) return;
+  throw flies::InputError(
+      request_.stream.sources.front(), "image size",
+      fmt::format("a whole picture has {} x {} px, for which the calibration is; expected the left and the right "
+                  "picture in each, side by side or one above the other (--split), or a second source with the right "
+                  "pictures",
+                  width_px, height_px));
+}
+
+/// @throws flies::InputError when the file cannot be read, or does not go with this pair
+void LiveRun::fit_calibration(const flies::StereoFrame& frame) {
   if (!request_.stream.folder.empty())
     if (const auto note = orientation_note({frame.left_name, frame.right_name})) say(*note);
   const flies::RectifiedPair view = frame.images.view();

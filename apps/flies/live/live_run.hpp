@@ -89,6 +89,8 @@ class LiveRun {
   void take_up(LaterDiagnosis::Finding found);
   bool begin(std::vector<flies::StereoFrame>& first);
   void calibrate(const flies::StereoFrame& frame);
+  void check_not_halved(const flies::StereoFrame& frame) const;
+  void fit_calibration(const flies::StereoFrame& frame);
   std::shared_ptr<LivePair> prepare(flies::StereoFrame frame);
   std::string fault_of(const LivePair& pair);
   void submit(std::shared_ptr<LivePair> pair, bool is_awaited);
