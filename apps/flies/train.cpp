@@ -83,12 +83,8 @@ flies::DetectorOptions proposing(const flies::TrainOptions& options) {
 }
 
 flies::TrainingData find_data(const TrainArguments& arguments, const flies::TrainOptions& options) {
-  const double share = arguments.crop_person_share;
-  if (constexpr double kLeast = 0.1; !(share >= kLeast && share <= 1.0))
-    throw flies::InputError("command line", "--crop-person-share",
-                            fmt::format("found {}, expected {} to 1", share, kLeast));
   const auto note = [](const std::string& text) { say_notes({text}); };
-  flies::TrainingData data{flies::find_pictures_of_people(arguments.positives, share, note),
+  flies::TrainingData data{flies::find_pictures_of_people(arguments.positives, arguments.crop_person_share, note),
                            flies::find_background(arguments.negatives, note)};
   for (auto& picture : flies::find_proposals(arguments.stereo_negatives, proposing(options)))
     data.background.push_back(std::move(picture));
@@ -239,8 +235,8 @@ void setup_train(CLI::App& app) {
       "--network", [] {}, "train a network of convolutions instead, with flies-train-network, which has other options");
   command
       ->add_option("--positives", arguments->positives,
-                   "folders of people: crops of one person each, or pictures with Pascal VOC, KITTI, YOLO or COCO "
-                   "labels")
+                   "folders of people: crops of one person each, or pictures with Pascal VOC, KITTI, YOLO, COCO or "
+                   "INRIA labels")
       ->required()
       ->type_name("DIR");
   command

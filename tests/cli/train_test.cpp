@@ -85,7 +85,8 @@ TEST_F(Train, NamesAFaultAndLeavesNothingBehind) {
       {{"--out", "m.json", "--name", "M\xFCller"}, "--name: is not UTF-8"},
       {{"--out", "M\xFCller.json"}, "--out: is not UTF-8"},
       {{"--out", "m.json", "--stereo-negatives", "street"}, "street"},
-      {{"--out", "m.json", "--crop-person-share", "nan"}, "--crop-person-share: found nan, expected 0.1 to 1"},
+      {{"--out", "m.json", "--crop-person-share", "nan"},
+       "--crop-person-share: found nan, expected a number in 0.1..1;"},
       {{"--out", "m.json", "--crop-person-share", "1.5"}, "--crop-person-share: found 1.5"},
       {{"--out", "m.json", "--positives", "street"}, "street: holds no labels that are read, and 12 of 12 pictures"},
   };
