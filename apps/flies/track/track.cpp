@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include <exception>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <optional>
@@ -80,7 +81,7 @@ class TrackOutputFiles {
     if (!film_ || is_committed_) return;
     try {
       film_->finish();
-    } catch (const flies::InputError&) {  // the fault that ended the run is told
+    } catch (const std::exception&) {  // the fault that ended the run is told
     }
   }
   TrackOutputFiles(const TrackOutputFiles&) = delete;
@@ -100,8 +101,8 @@ class TrackOutputFiles {
     if (json_) json_->write(track_json_line(frame, error));
   }
   void commit() {
-    if (film_) film_->finish();
     is_committed_ = true;
+    if (film_) film_->finish();
   }
 
  private:
