@@ -24,9 +24,8 @@ using OpenFilmFunction = FilmEncoder* (*)(const std::string& path, double rate_h
 inline constexpr const char* kOpenFilmName = "flies_open_film";
 
 /// An MP4 film (H.264 where FFmpeg has it, else MPEG-4) that appears under its name when it is complete, until then it
-/// is
-/// `<name>.part.mp4`; without `commit` nothing is left. Only one run at a time may write it. The module that writes it
-/// is loaded for it.
+/// is `<name>.part.mp4`; without `commit` nothing is left. Only one run at a time may write it. The module that writes
+/// it is loaded for it.
 class Film {
  public:
   /// @param path   ends in .mp4
