@@ -120,6 +120,13 @@ void sort_in(YoloClasses& classes, int number, const std::string& name) {
   if (kind == LabelKind::unclear) classes.unclear.insert(number);
 }
 
+/// What is wrong with classes among which nobody is learnt from.
+std::string no_person(const YoloClasses& classes) {
+  return classes.unclear.empty() ? "no person or pedestrian among the classes"
+                                 : "no person or pedestrian among the classes, but one that may hold riders or crowds; "
+                                   "where each of its boxes is one person, call it person";
+}
+
 int keypoint_numbers_of(const YAML::Node& root, const std::string& source) {
   const YAML::Node shape = root["kpt_shape"];
   if (!shape) return 0;
@@ -187,7 +194,7 @@ YoloClasses parse_yolo_names(std::string_view text, const std::string& source) {
   int number = 0;
   for (std::string line; std::getline(stream, line); ++number)
     sort_in(classes, number, std::string(detail::trimmed(line)));
-  if (classes.people.empty()) throw InputError(source, "", "names no person or pedestrian among the classes");
+  if (classes.people.empty()) throw InputError(source, "", "names " + no_person(classes));
   return classes;
 }
 
@@ -204,7 +211,7 @@ std::optional<YoloClasses> parse_yolo_yaml(const std::string& text, const std::s
               name.Scalar());
     ++number;
   }
-  if (classes.people.empty()) throw InputError(source, "names", "holds no person or pedestrian");
+  if (classes.people.empty()) throw InputError(source, "names", "holds " + no_person(classes));
   return classes;
 }
 

@@ -121,6 +121,8 @@ TEST(ParseYoloYaml, KnowsListsAndMaps) {
   EXPECT_FALSE(parse_yolo_yaml("path: .\n", "other.yaml"));
   EXPECT_THAT(testing::error_of([] { parse_yolo_yaml("names: [car]\n", "data.yaml"); }),
               HasSubstr("data.yaml: names: holds no person"));
+  EXPECT_THAT(testing::error_of([] { parse_yolo_yaml("names: [people]\n", "data.yaml"); }),
+              HasSubstr("where each of its boxes is one person, call it person"));
 }
 
 TEST(ParseYoloYaml, TakesTheShapeOfKeypoints) {
