@@ -107,7 +107,7 @@ TEST_F(EvaluateClassifier, NamesWhatIsWrongInOneLine) {
   EXPECT_THAT(fault({"--negatives", "0"}), HasSubstr("negatives"));
   EXPECT_THAT(fault({"--html", "gone/report.html"}), HasSubstr("gone/report.html"));
   EXPECT_THAT(fault({"--plot", "gone/curves.png"}), HasSubstr("gone/curves.png"));
-  EXPECT_THAT(fault({"--plot", "r", "--html", "r"}), HasSubstr("r: --plot: this file is already"));
+  EXPECT_THAT(fault({"--plot", "r.png", "--html", "r.png"}), HasSubstr("r.png: --plot: this file is already"));
   EXPECT_THAT(fault({"--min_height_px", "500"}), HasSubstr("street.png"));
   fs::remove_all(folder.path() / "data/negatives");
   const RunResult result = run({"--html", "report.html"});

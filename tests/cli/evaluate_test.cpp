@@ -383,7 +383,7 @@ std::vector<BadTruth> bad_truths() {
       {"CamerasOfScenes", with_words({"--cameras", "0,1"}), {"scenes", "cameras"}},
       {"PlotFolderMissing", with_words({"--plot", "gone/e.png"}), {"gone/e.png"}},
       {"ScanPlotFolderMissing", with_words({"--scan-plot", "gone/e.png"}), {"gone/e.png"}},
-      {"OneFileForTwo", with_words({"--plot", "e", "--json", "e"}), {"e: --plot: this file is already"}},
+      {"OneFileForTwo", with_words({"--plot", "e.png", "--json", "e.png"}), {"e.png: --plot: this file is already"}},
       {"OutputFolderMissing", with_words({"--json", "gone/e.json"}), {"gone/e.json"}},
   };
 }

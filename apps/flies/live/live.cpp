@@ -190,9 +190,9 @@ class Outputs {
   /// Of a run that failed: what came until then is kept. Of one that could not even begin its lines, because another
   /// run is writing them say, there is no film.
   void close_files() {
-    if (json_queue_) attempt([this] { json_queue_->finish(); });
     if (record_queue_) attempt([this] { record_queue_->finish(); });
     if (record_) attempt([this] { record_->close(); });
+    if (json_queue_) attempt([this] { json_queue_->finish(); });  // late: whoever reads them may hang
     if (film_queue_) attempt([this] { film_queue_->finish(); });
     if (film_ && (!json_ || json_->has_begun())) attempt([this] { film_->finish(); });
   }

@@ -126,7 +126,9 @@ double offset(double centre_px, int size_px) { return std::abs(centre_px / size_
 
 void check_principal_points(const StereoCamera& camera, const std::string& source, bool says_size,
                             std::vector<std::string>& notes) {
-  check_centre_in_pixels(camera.cx_px, camera.cy_px, source, "principal point");
+  constexpr int kTiny_px = 8;  // images whose middle lies in the corner
+  if (camera.width_px <= 0 || std::max(camera.width_px, camera.height_px) > kTiny_px)
+    check_centre_in_pixels(camera.cx_px, camera.cy_px, source, "principal point");
   if (camera.width_px <= 0 || camera.height_px <= 0 || is_of_kitti(camera)) return;
   if (auto note = check_principal_point(camera.cx_px, camera.cy_px, camera.width_px, camera.height_px, source,
                                         "principal point", says_size ? kProbableOffsetOfSized : kProbableOffset))
@@ -189,8 +191,7 @@ std::optional<std::string> check_principal_point(double cx_px, double cy_px, int
   if (std::abs(cx_px) <= kOfCorner * width_px && std::abs(cy_px) <= kOfCorner * height_px)
     return fmt::format(
         "the principal point {} lies in the corner of the images: is it counted from their middle? expected pixels "
-        "from "
-        "the corner at the top left",
+        "from the corner at the top left",
         found);
   return fmt::format(
       "the principal point {} is far from the middle: were the images cropped or resized after the calibration?",

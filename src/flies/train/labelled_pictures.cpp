@@ -212,7 +212,7 @@ YoloClasses yolo_classes(const fs::path& folder) {
 /// Text files that lie in a folder for labels, or belong to a picture by their place.
 std::vector<fs::path> label_texts(const fs::path& folder, const Pictures& pictures) {
   return detail::files_below(folder, [&](const fs::path& file) {
-    if (!is_text(file) || is_named(file, {"classes.txt"})) return false;
+    if (!is_text(file) || is_named(file, {"classes.txt", "readme.txt", "license.txt", "licence.txt"})) return false;
     const fs::path parents = file.lexically_relative(folder).parent_path();
     return pictures.has(place_of(file, folder)) || std::any_of(parents.begin(), parents.end(), is_for_labels);
   });
@@ -286,7 +286,9 @@ std::optional<std::vector<TrainingPicture>> labelled_pictures(const fs::path& fo
     const fs::path label_root = *kitti / "label_2";
     const auto files = detail::files_below(label_root, is_text);
     if (files.empty()) throw InputError(label_root.string(), "", "holds no text files, expected one a picture");
-    return join(parse_all(files, parse_kitti_boxes), label_root, *kitti / "image_2", note);
+    const bool is_drawn =
+        !detail::is_there_as_folder(*kitti / "image_2") && detail::is_there_as_folder(*kitti / "left");
+    return join(parse_all(files, parse_kitti_boxes), label_root, *kitti / (is_drawn ? "left" : "image_2"), note);
   }
   if (const auto files = detail::files_below(folder, is_xml); !files.empty())
     return join(parse_all(files, parse_voc_labels), folder, folder, note);

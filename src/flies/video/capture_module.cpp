@@ -54,14 +54,16 @@ class OpenCvCapture final : public flies::Capture {
     return count > 0.0 && count < 1e12 ? static_cast<std::uint64_t>(std::llround(count)) : 0;
   }
 
-  /// Conversions on the way may leave channels that differ by a rounding.
+  /// Lossy films of grey pictures, and conversions on the way, leave channels that differ by a few levels.
   bool has_colors() const override {
-    constexpr double kRounding = 2.0;  // levels
+    constexpr double kDiffer = 8.0;      // levels
+    constexpr double kOfPixels = 0.005;  // a share
     for (int channel = 1; channel < std::min(3, picture_.channels()); ++channel) {
-      cv::Mat first, other;
+      cv::Mat first, other, difference;
       cv::extractChannel(picture_, first, 0);
       cv::extractChannel(picture_, other, channel);
-      if (cv::norm(first, other, cv::NORM_INF) > kRounding) return true;
+      cv::absdiff(first, other, difference);
+      if (cv::countNonZero(difference > kDiffer) > kOfPixels * static_cast<double>(difference.total())) return true;
     }
     return false;
   }
