@@ -79,7 +79,7 @@ void RecordedCalibrations::add(flies::RosCameraInfo info) {
 }
 
 std::string RecordedCalibrations::topic_of(const std::string& pictures) const {
-  const std::string usual = camera_info_topic(pictures);
+  std::string usual = camera_info_topic(pictures);
   const std::string folder = usual.substr(0, usual.rfind('/') + 1);
   for (const auto& topic : {usual, folder + "calibration", pictures + "/camera_info", pictures + "/calibration"})
     if (seen_.contains(topic)) return topic;

@@ -125,7 +125,7 @@ void doubt_slow_times(const std::string& file, const std::vector<double>& times_
 
 /// The times of a file for a recording: one a pair, or one a left picture, those without a partner too.
 std::vector<double> times_of(const std::string& file, const Recording& recording, std::vector<std::string>& notes) {
-  const auto times_s = flies::read_time_stamps(file);
+  auto times_s = flies::read_time_stamps(file);
   const std::size_t count = recording.size(), held = times_s.size();
   if (held == count) return times_s;
   const std::size_t pictures = recording.left_count();

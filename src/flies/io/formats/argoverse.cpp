@@ -21,7 +21,7 @@ std::string camera_of(const NumberTable& table, const std::string& side) {
   throw InputError(table.source, "camera_data_", fmt::format("has no camera {}", name));
 }
 
-RawCamera read_camera(const NumberTable& table, const std::string& camera) {
+RawCamera argoverse_camera(const NumberTable& table, const std::string& camera) {
   const auto number = [&](const char* name) { return table.require_number(camera + name); };
   auto matrix = camera_matrix(number("focal_length_x_px_"), number("focal_length_y_px_"), number("focal_center_x_px_"),
                               number("focal_center_y_px_"));
@@ -48,8 +48,8 @@ Calibration read_argoverse(const NumberTable& table, const CalibrationRequest& r
   const std::string left = camera_of(table, "left"), right = camera_of(table, "right");
   RawPair pair{{}, left + "focal_length_x_px_", right + "focal_length_x_px_", right + "vehicle_SE3_camera_"};
   pair.distortion_keys = {left + "distortion_coefficients_", right + "distortion_coefficients_"};
-  pair.stereo.left = read_camera(table, left);
-  pair.stereo.right = read_camera(table, right);
+  pair.stereo.left = argoverse_camera(table, left);
+  pair.stereo.right = argoverse_camera(table, right);
   set_pose(pair.stereo, chained(inverse(vehicle_from_camera(table, right)), vehicle_from_camera(table, left)));
   return calibration_from_pair(std::move(pair), request, table.source);
 }

@@ -11,7 +11,7 @@
 namespace flies::detail {
 namespace {
 
-RawCamera read_camera(const NumberTable& table, const std::string& side) {
+RawCamera bouguet_camera(const NumberTable& table, const std::string& side) {
   const auto& focal = table.require("fc_" + side, 2);
   const auto& centre = table.require("cc_" + side, 2);
   auto matrix = camera_matrix(focal[0], focal[1], centre[0], centre[1]);
@@ -35,8 +35,8 @@ Calibration read_bouguet(const NumberTable& table, const CalibrationRequest& req
   const bool has_matrix = !table.has("om") && table.has("R");
   RawPair pair{{}, "fc_left", "fc_right", has_matrix ? "R" : "om"};
   pair.distortion_keys = {"kc_left", "kc_right"};
-  pair.stereo.left = read_camera(table, "left");
-  pair.stereo.right = read_camera(table, "right");
+  pair.stereo.left = bouguet_camera(table, "left");
+  pair.stereo.right = bouguet_camera(table, "right");
   const auto& t = table.require("T", 3);
   set_pose(pair.stereo,
            scaled({rotation_of(table, pair.pose_key, pair.notes), {t[0], t[1], t[2]}}, metres_per_unit(t, pair.notes)));

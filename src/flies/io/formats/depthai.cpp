@@ -106,7 +106,7 @@ Lens lens_at(const NumberTable& table, const std::string& key) {
                                word.empty() ? fmt::format("{}", number) : fmt::format("'{}'", word)));
 }
 
-RawCamera read_camera(const NumberTable& table, const std::string& prefix) {
+RawCamera depthai_camera(const NumberTable& table, const std::string& prefix) {
   constexpr std::size_t kFisheyeCoefficients = 4;
   RawCamera raw;
   raw.matrix = matrix_of(table, prefix + "intrinsicMatrix");
@@ -198,8 +198,8 @@ Calibration read_depthai(const NumberTable& file, const CalibrationRequest& requ
   check_same_size(size, size_of(right_prefix), table.source, right_prefix + "width, height");
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
-  pair.stereo.left = read_camera(table, left_prefix);
-  pair.stereo.right = read_camera(table, right_prefix);
+  pair.stereo.left = depthai_camera(table, left_prefix);
+  pair.stereo.right = depthai_camera(table, right_prefix);
   set_pose(pair.stereo, right_from_left(table, sockets, left, right, pair.notes));
   keep_middle_rows(pair, request);
   auto calibration = calibration_from_raw(std::move(pair), request, table.source);
