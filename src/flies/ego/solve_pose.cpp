@@ -158,12 +158,14 @@ std::optional<ShiftResult> solve_disparity_shift(std::span<const FollowedCorner>
                                                  double scale_px_m, const CameraMotion& start,
                                                  const EgoOptions& options) {
   constexpr int kSteps = 12;
-  constexpr double kWide = 4.0, kNarrowing = 0.75;  // of the limit, which first takes in what a shift throws off
+  constexpr double kWide = 4.0, kNarrowing = 0.6;  // of the limit, which first takes in what a shift throws off
+  constexpr double kSettled_px = 0.01;
   constexpr double kMinDisparity_px = 0.5;
   CameraMotion motion = start;
   ShiftResult result;
   for (int iteration = 0; iteration < kSteps; ++iteration) {
-    const double limit_px = options.max_residual_px * std::max(1.0, kWide * std::pow(kNarrowing, iteration));
+    const double widening = std::max(1.0, kWide * std::pow(kNarrowing, iteration));
+    const double limit_px = options.max_residual_px * widening;
     NormalEquations<7> equations;
     double weights = 0.0, squares = 0.0;
     result.agreeing = 0;
@@ -183,6 +185,7 @@ std::optional<ShiftResult> solve_disparity_shift(std::span<const FollowedCorner>
     result.shift_px += (*change)[6];
     const double scatter_px2 = squares / std::max(1.0, 2.0 * weights - 7.0);
     result.deviation_px = std::sqrt(equations.a.inv(cv::DECOMP_CHOLESKY)(6, 6) * scatter_px2);
+    if (widening == 1.0 && std::abs((*change)[6]) < kSettled_px) break;
   }
   return result;
 }
