@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "flies/core/letters.hpp"
+
 namespace {
 
 constexpr std::string_view kCompressed = "/compressed";
@@ -15,14 +17,9 @@ bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_capital(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
 
-std::string in_small_letters(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 /// Where a name says "right", in whatever letters.
 std::vector<std::size_t> places_of_right(const std::string& topic) {
-  const std::string small = in_small_letters(topic);
+  const std::string small = flies::detail::in_small_letters(topic);
   std::vector<std::size_t> places;
   for (auto at = small.find(kRight); at != std::string::npos; at = small.find(kRight, at + kRight.size()))
     places.push_back(at);

@@ -1,9 +1,6 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
-#include <cstdio>
-#include <exception>
-#include <functional>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <optional>
@@ -11,15 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "channels/channel_sinks.hpp"
-#include "channels/queued_sink.hpp"
 #include "flies/core/error.hpp"
 #include "flies/io/folder.hpp"
-#include "flies/web/open_address.hpp"
-#include "live/film_sink.hpp"
-#include "live/live_outputs.hpp"
 #include "live/live_run.hpp"
-#include "live/live_status.hpp"
+#include "live/run_outputs.hpp"
 #include "live/view.hpp"
 #include "shared/command_line.hpp"
 #include "shared/commands.hpp"
@@ -47,18 +39,11 @@ struct LiveArguments {
   std::vector<int> size_px;
   double max_skew_ms = 20.0;
   std::uint64_t max_pairs = 0;
-  std::string json;
-  std::optional<int> view_port;  ///< of the page; none: no page
-  std::string view_address = "127.0.0.1";
-  std::optional<int> foxglove_port;  ///< none: no server
-  std::string foxglove_address = "127.0.0.1";
-  std::string record, video;
+  OutputRequest outputs;
 
   LiveArguments() { method.threads = 2; }  // so that ego-motion is measured while flies evolve
 };
 
-constexpr std::size_t kMostForFoxglove = 2;  // pairs that wait to be sent: what is seen is to be new
-constexpr std::size_t kMostForRecord = 60;   // and to be written, recorded or filmed: two seconds at 30 Hz
 constexpr int kViewPort = 8090;
 constexpr int kFoxglovePort = 8765;  // where Foxglove looks first
 
@@ -139,10 +124,10 @@ OutputClaims check_outputs(const LiveArguments& arguments) {
   claims.reads(arguments.times);
   claims.reads_method(arguments.method);
   claims.reads_calibration(arguments.calib, arguments.camera.right_calib);
-  claims.writes_in_place(arguments.json, "--json");
-  require_named_output(arguments.record, "--record");
-  claims.writes_in_place(arguments.record, "--record");
-  claims.writes(arguments.video, "--video");
+  claims.writes_in_place(arguments.outputs.json, "--json");
+  require_named_output(arguments.outputs.record, "--record");
+  claims.writes_in_place(arguments.outputs.record, "--record");
+  claims.writes(arguments.outputs.video, "--video");
   return claims;
 }
 
@@ -162,100 +147,6 @@ class Steered {
   View* view_;
 };
 
-/// Everyone who gets the results, as the command line asks for them.
-class Outputs {
- public:
-  explicit Outputs(const LiveArguments& arguments)
-      : overflow_(arguments.stream.is_patient ? QueuedSink::Overflow::waits : QueuedSink::Overflow::leaves_out),
-        status_(!arguments.json.empty() && arguments.json != "-") {
-    if (!arguments.json.empty()) add_json(arguments.json);
-    if (arguments.view_port) add_view({arguments.view_address, *arguments.view_port});
-    if (arguments.foxglove_port) add_foxglove(arguments.foxglove_address, *arguments.foxglove_port);
-    if (!arguments.record.empty()) add_record(arguments.record);
-    if (!arguments.video.empty()) add_film(arguments.video);
-    if (sinks_.empty()) sinks_.push_back(&table_.emplace());
-    sinks_.push_back(&status_);
-  }
-
-  const std::vector<LiveSink*>& sinks() const { return sinks_; }
-  View* view() { return view_ ? &*view_ : nullptr; }
-
-  /// @throws flies::InputError of the first file that could not be written to its end; the others are closed well
-  void finish(const flies::PairStreamCounts& source) {
-    close_files();
-    if (failure_) std::rethrow_exception(failure_);
-    status_.finish(source);
-  }
-
-  /// Of a run that failed: what came until then is kept. Of one that could not even begin its lines, because another
-  /// run is writing them say, there is no film.
-  void close_files() {
-    if (record_queue_) attempt([this] { record_queue_->finish(); });
-    if (record_) attempt([this] { record_->close(); });
-    if (json_queue_) attempt([this] { json_queue_->finish(); });  // late: whoever reads them may hang
-    if (film_queue_) attempt([this] { film_queue_->finish(); });
-    if (film_ && (!json_ || json_->has_begun())) attempt([this] { film_->finish(); });
-  }
-
- private:
-  /// What fails first is kept, to be told when all was tried.
-  void attempt(const std::function<void()>& close) {
-    try {
-      close();
-    } catch (...) {
-      if (!failure_) failure_ = std::current_exception();
-    }
-  }
-
-  /// Whoever reads slowly, or a disk that hangs, holds up nobody else.
-  void add_json(const std::string& path) {
-    json_.emplace(path);
-    sinks_.push_back(&json_queue_.emplace(*json_, kMostForRecord, QueuedSink::Haste::is_awaited, overflow_, [path] {
-      say_notes({(path == "-" ? "standard output" : path) + ": takes too long to be written; some pairs are left out"});
-    }));
-  }
-  void add_view(const flies::WebServerRequest& request) {
-    sinks_.push_back(&view_.emplace(request));
-    std::fprintf(stderr, "flies: page at %s\n", view_->address().c_str());
-  }
-  void add_foxglove(const std::string& address, int port) {
-    foxglove_.emplace(address, port);
-    // First of all, and in two threads: results do not wait for pictures to be encoded.
-    sinks_.insert(sinks_.begin(),
-                  &foxglove_queue_.emplace(*foxglove_, kMostForFoxglove, QueuedSink::Haste::is_awaited));
-    sinks_.push_back(&picture_queue_.emplace(foxglove_->pictures(), kMostForFoxglove, QueuedSink::Haste::can_wait));
-    std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", flies::open_address(address).c_str(), foxglove_->port());
-  }
-  void add_record(const std::string& path) {
-    record_.emplace(path);
-    sinks_.push_back(&record_queue_.emplace(*record_, kMostForRecord, QueuedSink::Haste::can_wait, overflow_, [path] {
-      say_notes({path + ": this machine is too slow to record every pair; some are left out"});
-    }));
-  }
-
-  void add_film(const std::string& path) {
-    film_.emplace(path);
-    sinks_.push_back(&film_queue_.emplace(*film_, kMostForRecord, QueuedSink::Haste::can_wait, overflow_, [path] {
-      say_notes({path + ": this machine is too slow to film every pair; some are left out"});
-    }));
-  }
-
-  QueuedSink::Overflow overflow_;  ///< of what is written to files
-  std::optional<JsonSink> json_;
-  std::optional<QueuedSink> json_queue_;
-  std::optional<TableSink> table_;
-  std::optional<View> view_;
-  std::optional<FoxgloveSink> foxglove_;
-  std::optional<QueuedSink> foxglove_queue_, picture_queue_;
-  std::optional<RecordSink> record_;
-  std::optional<QueuedSink> record_queue_;
-  std::optional<FilmSink> film_;
-  std::optional<QueuedSink> film_queue_;
-  LiveStatus status_;
-  std::vector<LiveSink*> sinks_;
-  std::exception_ptr failure_;
-};
-
 void run_live(LiveArguments arguments) {
   read_options_file(arguments.method);
   OutputClaims claims = check_outputs(arguments);
@@ -265,8 +156,9 @@ void run_live(LiveArguments arguments) {
     thread_limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     cv::setNumThreads(threads);
   }
-  if (!arguments.record.empty() || !arguments.video.empty()) outlive_readers();
-  Outputs outputs(arguments);
+  if (!arguments.outputs.record.empty() || !arguments.outputs.video.empty()) outlive_readers();
+  arguments.outputs.is_patient = arguments.stream.is_patient;
+  RunOutputs outputs(arguments.outputs);
   LiveRun run(std::move(request), outputs.sinks());
   ask_before_ending_on_signals();
   const Steered steered(outputs.view(), run);
@@ -352,21 +244,21 @@ void setup_live(CLI::App& app) {
   add_correction_options(*command, arguments->corrections);
   add_method_options(*command, arguments->method);
   add_listed_options<flies::TrackerOptions>(*command, "", "", arguments->following);
-  command->add_option("--json", arguments->json, "one JSON object a line, a line a pair; - is standard output")
+  command->add_option("--json", arguments->outputs.json, "one JSON object a line, a line a pair; - is standard output")
       ->type_name("FILE")
       ->group("Output");
   command
       ->add_option_function<std::string>(
           "--view",
           [arguments](const std::string& text) {
-            arguments->view_port = text.empty() ? kViewPort : port_number(text, "--view");
+            arguments->outputs.view_port = text.empty() ? kViewPort : port_number(text, "--view");
           },
           fmt::format("show what is seen on a page for a browser; default port {}", kViewPort))
       ->expected(0, 1)
       ->type_name("[PORT]")
       ->group("Output");
   command
-      ->add_option("--view-address", arguments->view_address,
+      ->add_option("--view-address", arguments->outputs.view_address,
                    "address to show the page at; where other machines reach it, it asks for a token; default 127.0.0.1")
       ->type_name("ADDRESS")
       ->group("Output");
@@ -374,24 +266,24 @@ void setup_live(CLI::App& app) {
       ->add_option_function<std::string>(
           "--foxglove",
           [arguments](const std::string& text) {
-            arguments->foxglove_port = text.empty() ? kFoxglovePort : port_number(text, "--foxglove");
+            arguments->outputs.foxglove_port = text.empty() ? kFoxglovePort : port_number(text, "--foxglove");
           },
           fmt::format("serve Foxglove and Lichtblick by their WebSocket protocol; default port {}", kFoxglovePort))
       ->expected(0, 1)
       ->type_name("[PORT]")
       ->group("Output");
   command
-      ->add_option("--foxglove-address", arguments->foxglove_address,
+      ->add_option("--foxglove-address", arguments->outputs.foxglove_address,
                    "IP address to serve them at; whoever reaches it sees everything; default 127.0.0.1")
       ->type_name("ADDRESS")
       ->group("Output");
   command
-      ->add_option("--record", arguments->record,
+      ->add_option("--record", arguments->outputs.record,
                    "a recording (MCAP) of pictures and results, for them and for flies track")
       ->type_name("FILE")
       ->group("Output");
   command
-      ->add_option("--video", arguments->video,
+      ->add_option("--video", arguments->outputs.video,
                    "MP4 film: the left image with boxes, beside it the view from above with trails")
       ->type_name("FILE")
       ->group("Output");

@@ -35,7 +35,8 @@ class WrappingFormatter : public CLI::Formatter {
 /// What an option takes, for errors.
 std::string expectation(const CLI::Option& option) {
   const std::string type = option.get_type_name();
-  for (const char* file : {"FILE", "PNG", "MODEL"})
+  if (type.find("MODEL") != std::string::npos) return "the name of a model or of its file";
+  for (const char* file : {"FILE", "PNG"})
     if (type.find(file) != std::string::npos) return "the name of a file";
   return type == "DIR" ? "the name of a folder" : "a value";
 }

@@ -57,11 +57,10 @@ void check_no_distortion(const NumberTable& table) {
   }
 }
 
-/// MATLAB's world units are millimetres unless somebody chose others; no two cameras stand 10 m apart, or 10 mm.
+/// MATLAB's world units are millimetres unless somebody chose others.
 double metres_per_unit(const OpenCvNames& names, const std::vector<double>& t, CalibrationNotes& notes) {
   if (!names.is_of_matlab) return 1.0;
-  constexpr double kLeastMillimetres = 10.0;
-  const bool is_millimetres = std::hypot(t[0], t[1], t[2]) >= kLeastMillimetres;
+  const bool is_millimetres = are_millimetres(t);
   notes.push_back({fmt::format("{} is taken as {} (--baseline M says otherwise)", names.translation,
                                is_millimetres ? "millimetres, as MATLAB's world units are" : "metres")});
   return is_millimetres ? 1e-3 : 1.0;

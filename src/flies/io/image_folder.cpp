@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <string_view>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/io/folder.hpp"
 #include "flies/io/image_file.hpp"
 
@@ -50,9 +50,7 @@ bool is_image_name(const fs::path& path) {
   constexpr std::array<std::string_view, 10> kExtensions = {".png", ".jpg", ".jpeg", ".pgm",  ".ppm",
                                                             ".pnm", ".tif", ".tiff", ".webp", ".bmp"};
   if (is_hidden(path)) return false;
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = in_small_letters(path.extension().string());
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }
 

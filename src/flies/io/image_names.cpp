@@ -10,6 +10,7 @@
 #include <set>
 #include <string_view>
 
+#include "flies/core/letters.hpp"
 #include "flies/io/folder.hpp"
 
 namespace flies {
@@ -196,8 +197,8 @@ std::optional<std::vector<std::int64_t>> numbers_at(const Names& names, std::siz
 
 /// Whether one of the words of a name begins or ends with `side`, or is it where that is a letter.
 bool has_side(const Tokens& name, std::string_view side) {
-  return std::ranges::any_of(name, [&](std::string word) {
-    std::ranges::transform(word, word.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::ranges::any_of(name, [&](const std::string& as_is) {
+    const std::string word = detail::in_small_letters(as_is);
     return side.size() == 1 ? word == side : word.starts_with(side) || word.ends_with(side);
   });
 }

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/io/foreign_files.hpp"
 #include "flies/io/formats/realsense.hpp"
 #include "flies/io/number_lines.hpp"
@@ -253,10 +254,7 @@ int NumberTable::require_size(std::string_view key) const {
 
 std::string NumberTable::word(std::string_view key) const {
   const auto found = entries.find(key);
-  std::string word = found == entries.end() ? "" : found->second.not_a_number;
-  std::transform(word.begin(), word.end(), word.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return word;
+  return found == entries.end() ? "" : detail::in_small_letters(found->second.not_a_number);
 }
 
 NumberTable parse_number_table(const std::string& text, const std::string& source) {

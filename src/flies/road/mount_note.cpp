@@ -97,8 +97,7 @@ std::optional<std::string> mount_note(const MountFinding& finding) {
   const CameraMount &told = finding.told, &seen = finding.mount;
   std::string note = fmt::format(
       "the road lies {:.2f} m below the camera, which looks {} and leans {}, not {:.2f} m, {} and {}: that is used; "
-      "give "
-      "it as --camera-height {:.2f} --camera-pitch {:.1f} --camera-roll {:.1f}, or --mount given for the other",
+      "give it as --camera-height {:.2f} --camera-pitch {:.1f} --camera-roll {:.1f}, or --mount given for the other",
       seen.height_m, pitch_words(seen.pitch_rad), roll_words(seen.roll_rad), told.height_m, pitch_words(told.pitch_rad),
       roll_words(told.roll_rad), seen.height_m, tenths_deg(seen.pitch_rad), tenths_deg(seen.roll_rad));
   // All ranges grow with the baseline, and so does the height that the road is seen at.

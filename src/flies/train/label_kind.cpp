@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string>
+
+#include "flies/core/letters.hpp"
 
 namespace flies {
 namespace {
@@ -17,10 +18,8 @@ constexpr std::array<std::string_view, 8> kHoldsPerson = {"person",  "pedestrian
 }  // namespace
 
 LabelKind label_kind(std::string_view name) {
-  std::string plain;
-  for (const char letter : name)
-    if (letter != '-' && letter != '_' && letter != ' ')
-      plain += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  std::string plain = detail::in_small_letters(name);  // "person?" is not "person"
+  std::erase_if(plain, [](char c) { return c == '-' || c == '_' || c == ' '; });
   if (std::ranges::find(kPeople, plain) != kPeople.end()) return LabelKind::person;
   const auto is_in_it = [&](std::string_view part) { return plain.find(part) != std::string::npos; };
   const bool is_unclear = std::ranges::any_of(kHoldsPerson, is_in_it) || plain.starts_with("ignore");

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <initializer_list>
 #include <map>
 #include <string_view>
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/eval/text.hpp"
 #include "flies/io/exif.hpp"
 #include "flies/io/folder.hpp"
@@ -25,19 +25,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string in_small_letters(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 /// Whether a file or folder has one of these names, in capitals or not.
 bool is_named(const fs::path& path, std::initializer_list<std::string_view> names) {
-  const std::string own = in_small_letters(path.filename().string());
+  const std::string own = detail::in_small_letters(path.filename().string());
   return std::ranges::find(names, own) != names.end();
 }
 
 bool has_extension(const fs::path& path, std::initializer_list<std::string_view> extensions) {
-  const std::string own = in_small_letters(path.extension().string());
+  const std::string own = detail::in_small_letters(path.extension().string());
   return std::ranges::find(extensions, own) != extensions.end();
 }
 bool is_xml(const fs::path& path) { return has_extension(path, {".xml"}); }

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <iterator>
 #include <string_view>
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/io/folder.hpp"
 #include "flies/io/image_file.hpp"
 #include "flies/io/image_folder.hpp"
@@ -96,9 +96,7 @@ std::vector<TrainingPicture> find_background(std::span<const std::string> folder
 std::vector<std::string> files_to_train_on(std::span<const std::string> folders) {
   const auto is_read = [](const fs::path& file) {
     constexpr std::array<std::string_view, 6> kLabels = {".txt", ".xml", ".json", ".yaml", ".yml", ".names"};
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+    const std::string extension = detail::in_small_letters(file.extension().string());
     return detail::is_image_name(file) || std::ranges::find(kLabels, extension) != kLabels.end();
   };
   std::vector<std::string> files;

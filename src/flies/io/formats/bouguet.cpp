@@ -1,6 +1,5 @@
 // Bouguet's Camera Calibration Toolbox for MATLAB: fc_left, cc_left, kc_left, ..., om and T, as text (name = [ ... ];)
 // or under the same names in YAML or JSON. om and T take points of the left camera into the frame of the right one.
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,11 +19,9 @@ RawCamera bouguet_camera(const NumberTable& table, const std::string& side) {
   return {matrix, table.require("kc_" + side), Lens::brown};
 }
 
-/// The toolbox has the unit of the board's squares, which it asks for in millimetres; no two cameras stand 10 m apart,
-/// or 10 mm.
+/// The toolbox has the unit of the board's squares, which it asks for in millimetres.
 double metres_per_unit(const std::vector<double>& t, CalibrationNotes& notes) {
-  constexpr double kLeastMillimetres = 10.0;
-  const bool is_millimetres = std::hypot(t[0], t[1], t[2]) >= kLeastMillimetres;
+  const bool is_millimetres = are_millimetres(t);
   notes.push_back({std::string("T is taken as ") +
                    (is_millimetres ? "millimetres, in which the toolbox asks for the squares of the board" : "metres") +
                    " (--baseline M says otherwise)"});

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/io/formats/nesting.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
@@ -61,12 +61,6 @@ int socket_at(const NumberTable& table, const std::string& key) {
   return static_cast<int>(std::lround(socket));
 }
 
-std::string small_letters(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return text;
-}
-
 /// Of a list of socket and camera each, as DepthAI writes it, of cameras that name their socket, or of a map of them.
 Sockets sockets_of(const NumberTable& table) {
   Sockets sockets;
@@ -75,7 +69,7 @@ Sockets sockets_of(const NumberTable& table) {
     const std::string name = camera.substr(kCameras.size()), in_list = camera + ".0", inside = camera + ".socket";
     const auto socket = table.has(in_list)  ? socket_at(table, in_list)
                         : table.has(inside) ? socket_at(table, inside)
-                                            : socket_named(small_letters(name)).value_or(-1);
+                                            : socket_named(in_small_letters(name)).value_or(-1);
     if (socket < 0)
       throw InputError(table.source, camera, "is at no socket that is known, expected 0, 1, ... or CAM_A");
     const std::string prefix = camera + (table.has(in_list) ? ".1." : ".");

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 
 namespace flies::detail {
 namespace {
@@ -103,10 +104,7 @@ bool is_one_of(const std::string& word, std::initializer_list<std::string_view> 
 /// Letters and digits: "kannalabrandt4" of "RS2_DISTORTION_KANNALA_BRANDT4" and of "<distortion.kannala_brandt4: 5>",
 /// of which the first word is read.
 std::string plain_word(std::string_view word) {
-  std::string plain;
-  for (const char c : word)
-    if (std::isalnum(static_cast<unsigned char>(c)))
-      plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  std::string plain = plain_letters(word);
   for (const std::string_view of_realsense : {"rs2distortion", "distortion"})
     if (plain.starts_with(of_realsense)) plain.erase(0, of_realsense.size());
   return plain;

@@ -1,12 +1,13 @@
 #include "flies/io/formats/opencv_names.hpp"
 
-#include <cctype>
 #include <map>
 #include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "flies/core/letters.hpp"
 
 namespace flies::detail {
 namespace {
@@ -112,15 +113,6 @@ const Words kReprojection = {"q", "qmatrix", "disparitytodepth", "disparitytodep
 const std::vector<Pair> kWidthHeight = {{"imagewidth", "imageheight"},         {"width", "height"},
                                         {"imagesizewidth", "imagesizeheight"}, {"imgwidth", "imgheight"},
                                         {"sizewidth", "sizeheight"},           {"resolutionwidth", "resolutionheight"}};
-
-/// Letters and digits, small.
-std::string plain_letters(const std::string& key) {
-  std::string plain;
-  for (const char c : key)
-    if (std::isalnum(static_cast<unsigned char>(c)))
-      plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return plain;
-}
 
 /// The keys of a file by their letters and digits, small.
 class Keys {

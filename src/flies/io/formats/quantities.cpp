@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/core/plausible.hpp"
 
 namespace flies::detail {
@@ -60,11 +61,7 @@ std::optional<double> metres_per(std::string_view unit) {
 /// The last part of a key, its letters and digits, small.
 std::string plain_name(std::string_view key) {
   const auto dot = key.rfind('.');
-  std::string plain;
-  for (const char c : dot == std::string_view::npos ? key : key.substr(dot + 1))
-    if (std::isalnum(static_cast<unsigned char>(c)))
-      plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return plain;
+  return plain_letters(dot == std::string_view::npos ? key : key.substr(dot + 1));
 }
 
 bool is_on_top(std::string_view key) { return key.find('.') == std::string_view::npos; }

@@ -210,6 +210,11 @@ Calibration calibration_from_pair(RawPair pair, const CalibrationRequest& reques
   return calibration;
 }
 
+bool are_millimetres(std::span<const double> translation) {
+  constexpr double kLeast = 10.0;
+  return std::hypot(translation[0], translation[1], translation[2]) >= kLeast;
+}
+
 void set_pose(RawStereo& stereo, const Pose& right_from_left) {
   stereo.rotation = right_from_left.rotation;
   stereo.translation_m = right_from_left.translation;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,10 @@ Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request
 /// The same of a file that does not say whether its images are rectified: they are where neither lens bends anything
 /// and the cameras look the same way side by side, as with a camera that rectifies them itself.
 Calibration calibration_from_pair(RawPair pair, const CalibrationRequest& request, const std::string& source);
+
+/// Whether a shift from camera to camera is written in millimetres where no unit is named: no two cameras stand 10 m
+/// apart, or 10 mm. Three numbers.
+bool are_millimetres(std::span<const double> translation);
 
 /// Sets rotation and translation of the right camera.
 void set_pose(RawStereo& stereo, const Pose& right_from_left);

@@ -1,20 +1,14 @@
 #include "flies/io/formats/sides.hpp"
 
-#include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cstddef>
 #include <optional>
 #include <system_error>
 
+#include "flies/core/letters.hpp"
+
 namespace flies::detail {
 namespace {
-
-std::string small_letters(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return text;
-}
 
 struct NumberInName {
   int value = 0;
@@ -58,7 +52,7 @@ bool are_sides(std::string_view left, std::string_view right) {
 }  // namespace
 
 bool is_left_and_right(const std::string& left, const std::string& right) {
-  return are_sides(small_letters(left), small_letters(right));
+  return are_sides(in_small_letters(left), in_small_letters(right));
 }
 
 }  // namespace flies::detail

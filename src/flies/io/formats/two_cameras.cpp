@@ -149,12 +149,10 @@ std::optional<std::string> key_of_stereo_transform(const NumberTable& table) {
   return std::nullopt;
 }
 
-/// In the unit that the file names; where it names none, no two cameras stand 10 m apart, or 10 mm.
+/// In the unit that the file names, or else that its length tells.
 Pose stereo_transform(const NumberTable& table, const std::string& key, CalibrationNotes& notes) {
   const Pose left_from_right = pose_of(table, key, notes);
-  constexpr double kLeastMillimetres = 10.0;
-  const auto& t = left_from_right.translation;
-  const bool is_millimetres = std::hypot(t[0], t[1], t[2]) >= kLeastMillimetres;
+  const bool is_millimetres = are_millimetres(left_from_right.translation);
   const auto unit = unit_of(table, key);
   if (!unit && is_millimetres)
     notes.push_back({key + " is taken as millimetres, as the ZED SDK has them (--baseline M says otherwise)"});
