@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "flies/io/calibration.hpp"
+#include "flies/io/for_images.hpp"
 #include "flies/io/formats/rig_texts.hpp"
 #include "flies/io/temporary_folder.hpp"
 
@@ -11,6 +12,7 @@ namespace {
 
 using flies::testing::error_of;
 using flies::testing::expect_rectifies;
+using flies::testing::for_images;
 using flies::testing::list;
 using flies::testing::numbers;
 using flies::testing::rows;
@@ -21,13 +23,6 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
-
-CalibrationRequest for_images(int width_px, int height_px) {
-  CalibrationRequest request;
-  request.width_px = width_px;
-  request.height_px = height_px;
-  return request;
-}
 
 CalibrationRequest with_baseline(double baseline_m) {
   CalibrationRequest request = for_images(640, 480);

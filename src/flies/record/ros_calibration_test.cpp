@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "flies/core/error.hpp"
+#include "flies/io/for_images.hpp"
 
 namespace flies {
 namespace {
@@ -49,13 +50,6 @@ struct Rig {
     return read(request);
   }
 };
-
-CalibrationRequest for_images(int width_px, int height_px) {
-  CalibrationRequest request;
-  request.width_px = width_px;
-  request.height_px = height_px;
-  return request;
-}
 
 CalibrationRequest with_baseline(double baseline_m) {
   CalibrationRequest request;
@@ -149,20 +143,20 @@ TEST(RosCalibration, FisheyesWithoutCoefficientsAreFisheyes) {
 
 TEST(RosCalibration, FollowsTheSizeOfThePictures) {
   const auto binned = [](auto& camera) { camera.binning_x = camera.binning_y = 2; };
-  const Calibration halved = Rig().with(binned).read(for_images(320, 240));
+  const Calibration halved = Rig().with(binned).read(testing::for_images(320, 240));
   EXPECT_NEAR(halved.camera.fx_px, kFocal_px / 2, 1e-9);
   EXPECT_NEAR(halved.camera.baseline_m, kBaseline_m, 1e-9);
   EXPECT_EQ(halved.camera.width_px, 320);
-  EXPECT_NEAR(Rig().read(for_images(320, 240)).camera.fx_px, kFocal_px / 2, 1e-9);
-  EXPECT_NEAR(Rig().with(bend).read_raw(for_images(320, 240)).camera.fx_px, kFocal_px / 2, kPixel);
+  EXPECT_NEAR(Rig().read(testing::for_images(320, 240)).camera.fx_px, kFocal_px / 2, 1e-9);
+  EXPECT_NEAR(Rig().with(bend).read_raw(testing::for_images(320, 240)).camera.fx_px, kFocal_px / 2, kPixel);
 
   const auto windowed = [](auto& camera) { camera.window = {20, 40, 600, 320}; };
-  const Calibration window = Rig().with(windowed).read(for_images(600, 320));
+  const Calibration window = Rig().with(windowed).read(testing::for_images(600, 320));
   EXPECT_NEAR(window.camera.fx_px, kFocal_px, 1e-9);
   EXPECT_NEAR(window.camera.cx_px, 300, 1e-9);
   EXPECT_NEAR(window.camera.cy_px, 200, 1e-9);
   EXPECT_THAT(texts(window.notes), Contains(HasSubstr("a window of 600 x 320 px at column 20, row 40")));
-  const Calibration both = Rig().with(windowed).with(binned).read(for_images(300, 160));
+  const Calibration both = Rig().with(windowed).with(binned).read(testing::for_images(300, 160));
   EXPECT_NEAR(both.camera.fx_px, kFocal_px / 2, 1e-9);
   EXPECT_NEAR(both.camera.cx_px, 149.75, 1e-9);  // between the middles of pixels
 }

@@ -5,12 +5,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "flies/io/for_images.hpp"
 #include "flies/io/temporary_folder.hpp"
 
 namespace flies::detail {
 namespace {
 
 using flies::testing::error_of;
+using flies::testing::for_images;
 using flies::testing::TemporaryFolder;
 using ::testing::AllOf;
 using ::testing::Contains;
@@ -19,13 +21,6 @@ using ::testing::IsEmpty;
 
 /// HD sees more to the side than the others, which are cut out of the sensor.
 const std::vector<CameraMode> kModes = {{1280, 720, 670.0}, {1920, 1080, 1370.0}, {2208, 1242, 1370.0}};
-
-CalibrationRequest for_images(int width_px, int height_px) {
-  CalibrationRequest request;
-  request.width_px = width_px;
-  request.height_px = height_px;
-  return request;
-}
 
 CalibrationRequest for_calibration(CalibrationRequest request, int width_px, int height_px) {
   request.calibrated_width_px = width_px;
