@@ -23,7 +23,7 @@ struct JudgingOptions {
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("judged", self.judged, Range{100, 10000000},
-          "windows without people kept apart, for calibration, threshold and report");
+          "number of windows without people kept apart, for calibration, threshold and report");
     field("background_share", self.background_share, Range{0.0, 0.5}, "the threshold lets this share of them through");
     field("reject_below", self.reject_below, Range{-100.0, 100.0},
           "score of the linear machine below which a window is rejected without asking the network");

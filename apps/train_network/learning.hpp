@@ -22,8 +22,8 @@ struct LearningOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
-    field("seed", self.seed, "of all random numbers; same pictures, seed and options give the same model");
-    field("epochs", self.epochs, Range{1, 1000}, "after each, new hard windows are looked for");
+    field("seed", self.seed, "seed of all random numbers; same pictures, seed and options give the same model");
+    field("epochs", self.epochs, Range{1, 1000}, "number of epochs; after each, new hard windows are looked for");
     field("steps", self.steps, Range{1, 100000}, "batches of 128 windows an epoch");
     field("fresh", self.fresh, Range{1, 10000000},
           "new windows without people that are looked at for hard ones after an epoch");

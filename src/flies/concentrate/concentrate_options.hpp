@@ -43,19 +43,20 @@ struct AssembleOptions {
           "largest gap in depth inside an object, share of range");
     field("lateral_gap_m", self.lateral_gap_m, Range{0, 10}, "largest sideways gap inside an object");
     field("see_through_share", self.see_through_share, Range{0, 1e6},
-          "fitness seen farther away through a gap, over that of the weaker part, from which the gap splits an object");
+          "a gap splits an object when the fitness seen through it, farther away, is at least this share of the weaker "
+          "part's fitness");
     field("see_through_gap_m", self.see_through_gap_m, Range{0, 10},
-          "narrower gaps never split an object: between legs or the spokes of a wheel one sees through");
+          "narrower gaps never split an object, such as those between legs or the spokes of a wheel");
     field("max_width_m", self.max_width_m, Range{0.1, 100}, "candidates are joined to things up to this width");
     field("max_surface_m", self.max_surface_m, Range{0.1, 100},
-          "and across half of these gaps up to this width: long vehicles, walls");
+          "across half of these gaps candidates are joined up to this width: long vehicles, walls");
     field("near_quantile", self.near_quantile, Range{0, 1},
           "quantile of the flies' range that counts as the near face: 0 the nearest fly");
     field("radius_bandwidths", self.radius_bandwidths, Range{0.5, 20},
           "a fly belongs to a candidate within this many bandwidths");
     field("min_height_m", self.min_height_m, Range{0, 5}, "obstacles whose top is lower are dropped");
     field("min_height_px", self.min_height_px, Range{0, 100},
-          "added to that: a fly this far above a marking still has it in its neighbourhood; keep it at "
+          "added to min_height_m: a fly this far above a marking still has it in its patch; keep it at "
           "fitness.half_height_px");
     field("min_extent_m", self.min_extent_m, Range{0, 5},
           "obstacles whose flies cover less than this, sideways and upwards, are dropped: one false match is a point");
@@ -87,7 +88,7 @@ struct ConcentrateOptions {
     field("iterations", self.iterations, Range{0, 100}, "mean shifts of every sample point");
     field("min_density", self.min_density, Range{0, 1e12}, "candidates of lower fitness density are discarded");
     field("min_density_share", self.min_density_share, Range{0, 1},
-          "the same as a share of the strongest candidate's density");
+          "the same limit, as a share of the strongest candidate's density");
     field("assemble", self.assemble);
     field("whole", self.whole);
   }

@@ -27,7 +27,7 @@ struct WholeOptions {
   static void fields(Self& self, Field&& field) {
     field("enable", self.enable, "widen and join obstacles along the surfaces of the scan, and add what it alone sees");
     field("step_m", self.step_m, Range{0, 10}, "largest step in range between neighbouring sectors of one surface");
-    field("step_share", self.step_share, Range{0, 1}, "added to that: a share of the range");
+    field("step_share", self.step_share, Range{0, 1}, "added to step_m: this share of the range");
     field("depth_m", self.depth_m, Range{0, 100}, "an obstacle reaches this far behind its near face");
     field("join_depth_m", self.join_depth_m, Range{0, 100},
           "obstacles whose near faces are farther apart in range are not joined");
@@ -36,8 +36,8 @@ struct WholeOptions {
     field("min_new_width_m", self.min_new_width_m, Range{0, 100},
           "narrower surfaces that no fly is on do not become obstacles");
     field("min_new_confidence", self.min_new_confidence, Range{0, 1.01},
-          "nor do those whose sectors have a lower mean confidence; above 1 for none");
-    field("max_new_range_m", self.max_new_range_m, Range{0, 1000}, "nor those farther away");
+          "nor do surfaces whose sectors have a lower mean confidence; above 1: no surface becomes one");
+    field("max_new_range_m", self.max_new_range_m, Range{0, 1000}, "nor do surfaces farther away than this");
   }
 };
 

@@ -17,8 +17,8 @@ struct FieldOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
-    field("x_min_m", self.x_min_m, Range{0.1, 200}, "nearest point ahead that is looked at");
-    field("x_max_m", self.x_max_m, Range{1, 500}, "farthest point ahead that is looked at");
+    field("x_min_m", self.x_min_m, Range{0.1, 200}, "near end of the field: nearest distance ahead that is searched");
+    field("x_max_m", self.x_max_m, Range{1, 500}, "far end of the field: farthest distance ahead that is searched");
     field("y_min_m", self.y_min_m, Range{-200, 200}, "right edge of the field (y points left)");
     field("y_max_m", self.y_max_m, Range{-200, 200}, "left edge of the field");
     field("z_min_m", self.z_min_m, Range{-5, 20}, "lowest point above the road; kerbs and markings stay below it");

@@ -33,11 +33,15 @@ struct EgoOptions {
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("corners", self.corners, Range{30, 5000}, "corners followed from pair to pair");
-    field("half_resolution", self.half_resolution, "follow them in images of half the size: quicker, less exact");
+    field("half_resolution", self.half_resolution,
+          "follow the corners in images of half the size: quicker, less exact");
     field("hypotheses", self.hypotheses, Range{1, 1000}, "motions tried, each from three corners");
-    field("max_residual_px", self.max_residual_px, Range{0.1, 20}, "a corner this near its prediction agrees");
-    field("min_agreeing", self.min_agreeing, Range{6, 1000}, "fewer agreeing corners than this: lost");
-    field("min_agreeing_share", self.min_agreeing_share, Range{0, 1}, "a smaller share of the corners: lost");
+    field("max_residual_px", self.max_residual_px, Range{0.1, 20},
+          "a corner agrees with a motion if it is this near the predicted place");
+    field("min_agreeing", self.min_agreeing, Range{6, 1000},
+          "the motion counts as lost if fewer corners than this agree");
+    field("min_agreeing_share", self.min_agreeing_share, Range{0, 1},
+          "the motion counts as lost if a smaller share of the corners agrees");
   }
 };
 

@@ -23,9 +23,10 @@ struct EstimateOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
-    field("resamples", self.resamples, Range{0, 1000000}, "sets of frames drawn for the intervals; 0: no intervals");
-    field("confidence", self.confidence, Range{0.01, 0.999}, "part of these sets that an interval covers");
-    field("seed", self.seed, "of the draws");
+    field("resamples", self.resamples, Range{0, 1000000},
+          "bootstrap samples of the frames for the confidence intervals; 0: no intervals");
+    field("confidence", self.confidence, Range{0.01, 0.999}, "share of these samples that an interval covers");
+    field("seed", self.seed, "seed of these samples");
   }
 };
 

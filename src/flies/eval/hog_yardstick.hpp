@@ -31,11 +31,11 @@ struct HogOptions {
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("enlarge", self.enlarge, Range{0.25, 8.0},
-          "the image is resized by this first: people lower than the window");
-    field("scale_step", self.scale_step, Range{1.01, 2.0}, "from one scale to the next");
-    field("stride_px", self.stride_px, Range{8, 64}, "from one window to the next, a multiple of 8");
+          "the image is resized by this factor first; above 1, people shorter than the window are found");
+    field("scale_step", self.scale_step, Range{1.01, 2.0}, "ratio from one scale to the next");
+    field("stride_px", self.stride_px, Range{8, 64}, "distance from one window to the next, a multiple of 8");
     field("max_overlap", self.max_overlap, Range{0.0, 1.0},
-          "of two verdicts with a larger intersection over union the surer is kept");
+          "of two detections whose intersection over union is larger, only the more certain one is kept");
   }
 };
 

@@ -20,12 +20,14 @@ struct NetworkSearchOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
-    field("person_class", self.person_class, Range{0, 10'000}, "which of its classes are people: 0 of COCO, 14 of VOC");
-    field("threshold", self.threshold, Range{0.01, 0.99}, "people less sure than this are no reports");
+    field("person_class", self.person_class, Range{0, 10'000},
+          "number of the network's class of people: 0 for COCO, 14 for VOC");
+    field("threshold", self.threshold, Range{0.01, 0.99}, "people less certain than this are not reported");
     field("max_overlap", self.max_overlap, Range{0.0, 1.0},
-          "of two verdicts with a larger intersection over union the surer is kept");
-    field("width_px", self.width_px, Range{0, 4096}, "the image is resized to this; 0: as its .cfg says");
-    field("height_px", self.height_px, Range{0, 4096}, "the same, a multiple of 32 for most networks");
+          "of two detections whose intersection over union is larger, only the more certain one is kept");
+    field("width_px", self.width_px, Range{0, 4096}, "width to resize the image to; 0: as the network's .cfg says");
+    field("height_px", self.height_px, Range{0, 4096},
+          "height to resize the image to, a multiple of 32 for most networks");
   }
 };
 

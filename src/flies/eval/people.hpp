@@ -22,8 +22,8 @@ struct PeopleOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
-    field("max_range_m", self.max_range_m, Range{0, 1000}, "farthest people to be found; farther ones are ignored");
-    field("min_height_px", self.min_height_px, Range{0, 10000}, "lowest people to be found; lower ones are ignored");
+    field("max_range_m", self.max_range_m, Range{0, 1000}, "people farther away than this are ignored");
+    field("min_height_px", self.min_height_px, Range{0, 10000}, "people shorter than this in the image are ignored");
     field("min_overlap", self.min_overlap, Range{0.01, 1.0}, "intersection over union of boxes that agree");
   }
 };

@@ -29,16 +29,23 @@ struct SectorOptions {
   static void fields(Self& self, Field&& field) {
     field("increment_deg", self.increment_deg, Range{0.05, 10}, "width of a sector of the scan, degrees");
     field("min_range_m", self.min_range_m, Range{0, 1000}, "nearest things whose sectors are judged, metres");
-    field("max_range_m", self.max_range_m, Range{0, 1000}, "farthest; in open sectors, reports nearer are ghosts");
+    field("max_range_m", self.max_range_m, Range{0, 1000},
+          "farthest things whose sectors are judged, metres; in open sectors, reports nearer than this are ghosts");
     field("near_range_m", self.near_range_m, Range{0, 1000},
-          "blind sectors are counted apart nearer than this, metres");
-    field("open_range_m", self.open_range_m, Range{0, 1000}, "a sector is open when nothing stands nearer, metres");
-    field("margin_px", self.margin_px, Range{0, 1000}, "both images show the place this far inside, pixels");
-    field("lidar_points", self.lidar_points, Range{1, 1000}, "lidar returns of a sector that make a thing");
-    field("lidar_gap_m", self.lidar_gap_m, Range{0, 10}, "their ranges differ by so much at most, metres, plus");
-    field("map_points", self.map_points, Range{1, 10000}, "points of a disparity map in a sector that make a thing");
-    field("map_gap_m", self.map_gap_m, Range{0, 10}, "their ranges differ by so much at most, metres, plus");
-    field("gap_per_range", self.gap_per_range, Range{0, 1}, "this part of the range");
+          "blind sectors nearer than this are also counted separately, metres");
+    field("open_range_m", self.open_range_m, Range{0, 1000},
+          "a sector is open when nothing stands nearer than this, metres");
+    field("margin_px", self.margin_px, Range{0, 1000},
+          "a place counts when both images show it this far inside their borders, pixels");
+    field("lidar_points", self.lidar_points, Range{1, 1000}, "lidar returns in a sector that are needed for a thing");
+    field("lidar_gap_m", self.lidar_gap_m, Range{0, 10},
+          "their ranges differ by at most this, metres, plus gap_per_range times the range");
+    field("map_points", self.map_points, Range{1, 10000},
+          "points of a disparity map in a sector that are needed for a thing");
+    field("map_gap_m", self.map_gap_m, Range{0, 10},
+          "their ranges differ by at most this, metres, plus gap_per_range times the range");
+    field("gap_per_range", self.gap_per_range, Range{0, 1},
+          "this share of the range is added to lidar_gap_m and map_gap_m");
   }
 };
 

@@ -23,13 +23,16 @@ struct MatchOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
-    field("radius_m", self.radius_m, Range{0, 10}, "an obstacle agrees with truth this near, metres, plus");
-    field("radius_per_range", self.radius_per_range, Range{0, 1}, "this part of its range");
+    field("radius_m", self.radius_m, Range{0, 10},
+          "an obstacle agrees with truth that is within this distance, metres, plus radius_per_range times its range");
+    field("radius_per_range", self.radius_per_range, Range{0, 1}, "this share of its range is added to radius_m");
     field("min_range_m", self.min_range_m, Range{0, 1000}, "nearest labelled objects to be found, metres");
     field("max_range_m", self.max_range_m, Range{0, 1000}, "farthest labelled objects to be found, metres");
-    field("min_lidar_points", self.min_lidar_points, Range{1, 1000}, "lidar returns that make an obstacle right");
-    field("min_above_road_m", self.min_above_road_m, Range{0, 10}, "lowest lidar return counted, metres over the road");
-    field("max_above_road_m", self.max_above_road_m, Range{0, 10}, "highest one");
+    field("min_lidar_points", self.min_lidar_points, Range{1, 1000}, "lidar returns needed to confirm an obstacle");
+    field("min_above_road_m", self.min_above_road_m, Range{0, 10},
+          "lowest lidar return that counts, metres above the road");
+    field("max_above_road_m", self.max_above_road_m, Range{0, 10},
+          "highest lidar return that counts, metres above the road");
   }
 };
 

@@ -41,9 +41,9 @@ struct WindowSampling {
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("negatives", self.negatives, Range{1, 50000000},
-          "windows without people, shared out evenly over the pictures");
-    field("min_height_px", self.min_height_px, Range{8, 4096}, "lowest of these windows");
-    field("seed", self.seed, "of their places");
+          "number of windows without people, spread evenly over the pictures");
+    field("min_height_px", self.min_height_px, Range{8, 4096}, "height of the smallest of these windows");
+    field("seed", self.seed, "seed of their positions");
   }
 };
 

@@ -40,18 +40,21 @@ struct DenseOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
-    field("step_px", self.step_px, Range{1, 64}, "every so many matched pixels of every such row become a point");
+    field("step_px", self.step_px, Range{1, 64},
+          "pixels this far apart, across and down, become points where they are matched");
     field("samples", self.samples, Range{1, 10},
-          "least sample points per view-angle: points of equal weight hide far things behind near ones");
+          "minimum number of sample points per view-angle: points of equal weight hide far things behind near ones");
     field("min_score", self.min_score, Range{0, 1e12},
-          "concentrate.assemble.min_score of dense points: they weigh 1, where fit flies weigh about 2");
+          "concentrate.assemble.min_score for dense points, which weigh 1, while fit flies weigh about 2");
     field("near_share", self.near_share, Range{0.1, 1},
           "disparities are searched to this part of field.x_min_m: what is nearer would match anything");
     field("scan_points", self.scan_points, Range{1, 10000},
-          "matched pixels of a sector that make an obstacle of a scan");
-    field("scan_min_range_m", self.scan_min_range_m, Range{0, 100}, "nearest ones that count, metres");
-    field("scan_gap_m", self.scan_gap_m, Range{0, 10}, "their ranges differ by so much at most, metres, plus");
-    field("scan_gap_per_range", self.scan_gap_per_range, Range{0, 1}, "this part of the range");
+          "matched pixels in a sector that are needed for an obstacle in its scan");
+    field("scan_min_range_m", self.scan_min_range_m, Range{0, 100},
+          "range of the nearest matched pixels that count, metres");
+    field("scan_gap_m", self.scan_gap_m, Range{0, 10},
+          "their ranges differ by at most this, metres, plus scan_gap_per_range times the range");
+    field("scan_gap_per_range", self.scan_gap_per_range, Range{0, 1}, "this share of the range is added to scan_gap_m");
   }
 };
 

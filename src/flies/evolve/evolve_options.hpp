@@ -39,11 +39,11 @@ struct UniquenessOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
-    field("enforce", self.enforce, "a fly that a fitter one of other disparity rivals for the same pixels scores 0");
+    field("enforce", self.enforce, "a fly scores 0 if a fitter one of another disparity rivals it for the same pixels");
     field("reach_u_px", self.reach_u_px, Range{0.5, 64}, "flies this close in columns look at the same place");
     field("reach_v_px", self.reach_v_px, Range{0.5, 64}, "flies this close in rows look at the same place");
     field("disparity_px", self.disparity_px, Range{0, 64}, "difference of disparity that makes them rivals");
-    field("margin", self.margin, Range{1, 100}, "how many times as fit the rival must be");
+    field("margin", self.margin, Range{1, 100}, "the rival must be this many times as fit");
   }
 };
 

@@ -50,7 +50,7 @@ struct FitnessOptions {
     field("sampling", self.sampling, "nearest: whole pixels; subpixel: right patch interpolated along its row");
     field("half_width_px", self.half_width_px, Range{1, 12}, "uSz, columns to each side of the projection");
     field("half_height_px", self.half_height_px, Range{1, 16}, "vSz, rows above and below the projection");
-    field("row_step", self.row_step, Range{1, 16}, "every so many rows of the patch are compared; 1: all of them");
+    field("row_step", self.row_step, Range{1, 16}, "only every so many rows of the patch are compared; 1: all rows");
     field("louchet_constant", self.louchet_constant, Range{1e-6, 1e9},
           "added to the summed squared differences of Eq. (1), squared grey levels");
     field("correlation_power", self.correlation_power, Range{1, 32},

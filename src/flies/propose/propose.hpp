@@ -55,7 +55,7 @@ struct ProposeOptions {
     field("person_share", self.person_share, Range{0.3, 1.0},
           "height of the person over height of the window, as the classifier was trained");
     field("min_person_px", self.min_person_px, Range{8.0, 1000.0},
-          "persons lower than this in the image are not looked for");
+          "persons shorter than this in the image are not looked for");
     field("min_obstacle_height_m", self.min_obstacle_height_m, Range{0.0, 3.0},
           "an obstacle lower than this is no person; lenient, for measured heights are noisy");
     field("min_stretch_m", self.min_stretch_m, Range{0.0, 1000.0},

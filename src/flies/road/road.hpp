@@ -24,14 +24,15 @@ struct RoadOptions {
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("estimate", self.estimate, "fit the road plane to the pair; false: the nominal ground z = 0");
-    field("probes", self.probes, Range{10, 100000}, "places on the road where its height is looked for");
+    field("probes", self.probes, Range{10, 100000}, "places on the road where its height is measured");
     field("x_min_m", self.x_min_m, Range{0.1, 200}, "nearest probe ahead");
     field("x_max_m", self.x_max_m, Range{0.5, 500}, "farthest probe ahead");
-    field("half_width_m", self.half_width_m, Range{0.1, 50}, "probes lie this far to each side of straight ahead");
+    field("half_width_m", self.half_width_m, Range{0.1, 50},
+          "probes lie up to this far to each side of straight ahead");
     field("max_slope", self.max_slope, Range{0.0, 0.3}, "steepest road looked for, up or down, rise per metre");
     field("max_bank", self.max_bank, Range{0.0, 0.3}, "steepest bank accepted, rise per metre to the left");
-    field("max_height_m", self.max_height_m, Range{0.0, 2.0}, "error of the camera height that is made up for");
-    field("min_correlation", self.min_correlation, Range{0.0, 1.0}, "a probe that matches worse has no say");
+    field("max_height_m", self.max_height_m, Range{0.0, 2.0}, "largest error of the camera height that is corrected");
+    field("min_correlation", self.min_correlation, Range{0.0, 1.0}, "probes with a lower correlation are ignored");
   }
 };
 

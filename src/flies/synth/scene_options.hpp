@@ -62,7 +62,7 @@ struct SceneOptions {
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
     field("seed", self.seed, "seed of layout, looks and sensor noise; same options give the same pixels");
-    field("kind", self.kind, "the place and what stands there");
+    field("kind", self.kind, "kind of place, and what stands there");
     field("people", self.people, Range{0, 60}, "people wanted; fewer when no free visible place is found");
     field("cars", self.cars, Range{0, 20}, "parked and driving cars wanted");
     field("poles", self.poles, Range{0, 30}, "lamp posts, sign posts and bollards wanted");
@@ -84,7 +84,7 @@ struct SceneOptions {
     field("camera_height_m", self.camera_height_m, Range{0.2, 10}, "cameras above the ground");
     field("pitch_deg", self.pitch_deg, Range{-30, 30}, "positive: the cameras look down");
     field("roll_deg", self.roll_deg, Range{-30, 30}, "positive: the left side is raised");
-    field("samples_per_side", self.samples_per_side, Range{1, 8}, "rays a pixel are this number squared");
+    field("samples_per_side", self.samples_per_side, Range{1, 8}, "rays per pixel: this number squared");
     field("blur_px", self.blur_px, Range{0, 3}, "standard deviation of the lens blur");
     field("noise_gray", self.noise_gray, Range{0, 50}, "standard deviation of sensor noise, grey levels");
     field("gain_difference", self.gain_difference, Range{-0.5, 0.5},

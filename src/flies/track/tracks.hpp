@@ -38,32 +38,40 @@ struct TrackOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
-    field("disparity_sd_px", self.disparity_sd_px, Range{0.01, 10}, "of an obstacle's disparity: its range follows");
-    field("along_sd_m", self.along_sd_m, Range{0.01, 5}, "of an obstacle's range, beside that of its disparity");
-    field("across_sd_m", self.across_sd_m, Range{0.01, 5}, "of its middle across the line of sight");
-    field("across_sd_share", self.across_sd_share, Range{0, 1}, "the same, in parts of its width");
+    field("disparity_sd_px", self.disparity_sd_px, Range{0.01, 10},
+          "standard deviation of an obstacle's disparity, from which that of its range follows");
+    field("along_sd_m", self.along_sd_m, Range{0.01, 5},
+          "standard deviation of an obstacle's range, in addition to that of its disparity");
+    field("across_sd_m", self.across_sd_m, Range{0.01, 5},
+          "standard deviation of an obstacle's middle across the line of sight");
+    field("across_sd_share", self.across_sd_share, Range{0, 1},
+          "added to across_sd_m: this share of the obstacle's width");
     field("common_sd_share", self.common_sd_share, Range{0, 10},
-          "of these, what all sightings of a thing share, so that it does not average out");
-    field("acceleration_mps2", self.acceleration_mps2, Range{0.01, 50}, "standard deviation of what things do");
-    field("person_acceleration_mps2", self.person_acceleration_mps2, Range{0.01, 50}, "the same of people");
+          "share of these deviations that is common to all sightings of a thing, so that it does not average out");
+    field("acceleration_mps2", self.acceleration_mps2, Range{0.01, 50},
+          "standard deviation of the acceleration of things");
+    field("person_acceleration_mps2", self.person_acceleration_mps2, Range{0.01, 50}, "the same for people");
     field("start_speed_mps", self.start_speed_mps, Range{0.1, 50}, "standard deviation of a new thing's velocity");
-    field("moving_prior", self.moving_prior, Range{0.001, 0.999}, "share of things that move");
-    field("person_moving_prior", self.person_moving_prior, Range{0.001, 0.999}, "the same of people");
+    field("moving_prior", self.moving_prior, Range{0.001, 0.999}, "share of things that move, as assumed beforehand");
+    field("person_moving_prior", self.person_moving_prior, Range{0.001, 0.999}, "the same for people");
     field("moving_sightings", self.moving_sightings, Range{1, 100},
-          "so often in a row a thing must seem to move before it is said to");
-    field("gate", self.gate, Range{1, 100}, "squared Mahalanobis distance at which a sighting is another thing's");
+          "a thing is reported as moving when it seems to move this many times in a row");
+    field("gate", self.gate, Range{1, 100},
+          "squared Mahalanobis distance from which a sighting belongs to another thing");
     field("corner_disparity_sd_px", self.corner_disparity_sd_px, Range{0.01, 10},
-          "of one corner: its velocity follows");
-    field("corner_velocity_sd_mps", self.corner_velocity_sd_mps, Range{0.01, 10}, "of a velocity from many corners");
-    field("min_corners", self.min_corners, Range{1, 1000}, "corners on a thing that give it a velocity");
-    field("first_probability", self.first_probability, Range{0.01, 0.98}, "that a thing seen once exists");
-    field("seen_odds", self.seen_odds, Range{1, 1000}, "what seeing it again multiplies the odds by");
-    field("detection_probability", self.detection_probability, Range{0.01, 0.99}, "that a thing in view is seen");
+          "standard deviation of the disparity of one corner, from which that of its velocity follows");
+    field("corner_velocity_sd_mps", self.corner_velocity_sd_mps, Range{0.01, 10},
+          "standard deviation of a velocity from many corners");
+    field("min_corners", self.min_corners, Range{1, 1000}, "corners needed on a thing to measure its velocity");
+    field("first_probability", self.first_probability, Range{0.01, 0.98}, "probability that a thing seen once exists");
+    field("seen_odds", self.seen_odds, Range{1, 1000}, "seeing the thing again multiplies its odds by this");
+    field("detection_probability", self.detection_probability, Range{0.01, 0.99},
+          "probability that a thing in view is seen");
     field("hidden_detection_probability", self.hidden_detection_probability, Range{0.0, 0.99},
-          "the same behind something nearer");
+          "the same for a thing behind something nearer");
     field("min_probability", self.min_probability, Range{0.0, 0.98},
-          "less likely tracks are not reported; those below 0.3 end");
-    field("max_coast_s", self.max_coast_s, Range{0, 60}, "a track unseen for longer ends");
+          "tracks less probable than this are not reported; those below 0.3 end");
+    field("max_coast_s", self.max_coast_s, Range{0, 60}, "a track that is not seen for longer than this ends");
   }
 };
 

@@ -29,10 +29,11 @@ struct PositiveOptions {
   static void fields(Self& self, Field&& field) {
     field("person_share", self.person_share, Range{0.3, 1.0},
           "height of the person over height of the window; detection must use the same (propose.person_share)");
-    field("jitters", self.jitters, Range{0, 64}, "windows that are a little off, beside the exact one and its mirror");
-    field("jitter_scale", self.jitter_scale, Range{0.0, 0.5}, "size of those is off by up to this share");
+    field("jitters", self.jitters, Range{0, 64},
+          "windows that are slightly off, in addition to the exact one and its mirror image");
+    field("jitter_scale", self.jitter_scale, Range{0.0, 0.5}, "their size is off by up to this share");
     field("jitter_shift", self.jitter_shift, Range{0.0, 0.5},
-          "place of those is off by up to this share of the height");
+          "their position is off by up to this share of the height");
   }
 };
 
@@ -57,12 +58,13 @@ struct NegativeOptions {
     field("windows_per_picture", self.windows_per_picture, Range{1, 1000000},
           "new windows drawn from every picture in every round; only the hard ones are kept");
     field("per_round", self.per_round, Range{1, 10000000}, "hard windows added in a round at most, the hardest first");
-    field("per_picture", self.per_picture, Range{1, 1000000}, "of one picture in a round at most");
+    field("per_picture", self.per_picture, Range{1, 1000000}, "hard windows added from one picture in a round at most");
     field("validation_per_picture", self.validation_per_picture, Range{1, 1000000},
           "windows drawn from every picture kept apart, for calibration, threshold and report");
-    field("min_height_px", self.min_height_px, Range{8.0, 4096.0}, "lowest of these windows");
+    field("min_height_px", self.min_height_px, Range{8.0, 4096.0}, "height of the smallest of these windows");
     field("min_proposed_px", self.min_proposed_px, Range{8.0, 4096.0},
-          "lowest persons that the flies propose boxes of on stereo pairs; lower ones are blurred by enlarging");
+          "height of the smallest persons for whom boxes are proposed on stereo pairs; smaller ones would be blurred "
+          "by enlarging");
     field("hard_above", self.hard_above, Range{-10.0, 10.0},
           "score above which a window is hard; -1 is the margin, windows below it do not change a machine");
     field("max_overlap", self.max_overlap, Range{0.0, 1.0},
@@ -75,7 +77,7 @@ struct LinearSvmOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
-    field("c", self.c, Range{1e-6, 1e6}, "price of a window on the wrong side of the margin");
+    field("c", self.c, Range{1e-6, 1e6}, "penalty for a window on the wrong side of the margin");
   }
 };
 
@@ -88,8 +90,8 @@ struct KernelSvmOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
-    field("c", self.c, Range{1e-6, 1e6}, "price of a window on the wrong side of the margin");
-    field("gamma", self.gamma, Range{1e-9, 1e6}, "of the kernel exp(-gamma * distance^2)");
+    field("c", self.c, Range{1e-6, 1e6}, "penalty for a window on the wrong side of the margin");
+    field("gamma", self.gamma, Range{1e-9, 1e6}, "gamma in the kernel exp(-gamma * distance^2)");
     field("projection", self.projection, Range{1, 100000}, "principal axes of the features that are kept");
     field("reject_below", self.reject_below, Range{-100.0, 100.0},
           "score of the linear machine below which a window is rejected without asking the second one");
@@ -113,17 +115,18 @@ struct TrainOptions {
 
   template <class Self, class Field>
   static void fields(Self& self, Field&& field) {
-    field("seed", self.seed, "of all random numbers; same pictures, seed and options give the same model");
+    field("seed", self.seed, "seed of all random numbers; same pictures, seed and options give the same model");
     field("threads", self.threads, Range{0, 256},
           "worker threads, 0 for one per core; the model does not depend on it");
     field("kernel", self.kernel, "linear: one machine; rbf: a second one with a Gaussian kernel behind it");
     field("window_height_px", self.window_height_px, Range{32, 512},
-          "height that windows are resized to, twice their width, a multiple of 16; lower ones are looked at sooner");
+          "height that windows are resized to, twice their width, a multiple of 16; smaller windows are classified "
+          "faster");
     field("false_positive_rate", self.false_positive_rate, Range{0.0, 1.0},
           "the threshold lets this share of the validation windows without people through");
     field("validation_share", self.validation_share, Range{0.01, 0.9},
-          "of the pictures that are kept apart for calibration, threshold and report");
-    field("refit", self.refit, "train the machines that are written on the pictures kept apart as well");
+          "share of the pictures that is kept apart for calibration, threshold and report");
+    field("refit", self.refit, "finally train the machines that are written on all pictures, those kept apart too");
     field("positives", self.positives);
     field("negatives", self.negatives);
     field("linear", self.linear);
