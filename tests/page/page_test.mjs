@@ -124,14 +124,14 @@ try {
   await page.goto(run.address);
   await until(page, () => Number(document.body.dataset.number) > 8);
   assert.equal(await page.textContent("#connection"), "connected");
-  assert.match(await page.textContent("#rates"), /^\d+\.\d pairs a second; latency .* dropped/);
+  assert.match(await page.textContent("#rates"), /^\d+\.\d pairs per second; latency .* dropped/);
   assert.match(await page.textContent("#summary"), /^\d+ obstacles, \d+ (person|people); nearest obstacle [0-9.]+ m/);
   assert.ok((await page.locator("#tracks tr").count()) > 3);
 
   // A paused page stands still, by the keyboard, and a step goes on by one.
   await page.keyboard.press("p");
   await until(page, () => document.getElementById("connection").textContent === "paused");
-  assert.equal(await page.textContent("#pause"), "Go on");
+  assert.equal(await page.textContent("#pause"), "Resume");
   const paused = await standingNumber(page);
   await page.locator("#step").focus();
   await page.keyboard.press("Enter");

@@ -190,19 +190,19 @@ std::optional<LiveFrame> View::frame_of(const flies::WebRequest& request) {
 
 flies::WebAnswer View::picture(const flies::WebRequest& request) {
   const auto frame = frame_of(request);
-  if (!frame) return fault(404, "This pair is no longer there.");
+  if (!frame) return fault(404, "This pair is no longer available.");
   const auto& bytes = left_jpeg(*frame);
   return {.type = "image/jpeg", .body = std::string(bytes.begin(), bytes.end())};
 }
 
 flies::WebAnswer View::flies_of(const flies::WebRequest& request) {
   const auto frame = frame_of(request);
-  return frame ? json_answer(view_flies(*frame)) : fault(404, "This pair is no longer there.");
+  return frame ? json_answer(view_flies(*frame)) : fault(404, "This pair is no longer available.");
 }
 
 flies::WebAnswer View::report(const flies::WebRequest& request) {
   const auto frame = frame_of(request);
-  if (!frame) return fault(404, "This pair is no longer there.");
+  if (!frame) return fault(404, "This pair is no longer available.");
   std::vector<std::string> notes;
   {
     const std::lock_guard lock(mutex_);
@@ -236,7 +236,7 @@ flies::WebAnswer View::order(const flies::WebRequest& request) {
       return fault(400, error.what());
     }
   } else {
-    return fault(404, "There is no such order.");
+    return fault(404, "There is no such command.");
   }
   ++changes_;
   changed_.notify_all();

@@ -98,9 +98,9 @@ Json view_options(const std::vector<flies::OptionListing>& listings) {
 std::string view_report(const LiveFrame& frame, const std::string& options_yaml,
                         const std::vector<std::string>& notes) {
   std::string told =
-      "One pair with what flies made of it. To see it again:\n\n"
+      "One pair and what flies found in it. To process it again:\n\n"
       "  flies detect left.png right.png --calib calib.yaml --options options.yaml --self-rectify off\n\n"
-      "What was told in this run:\n";
+      "Messages of this run:\n";
   for (const auto& note : notes) told += "- " + note + "\n";
   const std::vector<flies::ZipEntry> entries = {
       {"README.txt", told},

@@ -58,10 +58,10 @@ std::optional<WebAnswer> Access::refuse(const WebRequest& request) const {
     const bool is_given = given != request.parameters.end() && are_same(given->second, token_);
     if (!is_given && !are_same(cookie_value(request.cookie, cookie_name(port_)), token_))
       return WebAnswer{.status = 403,
-                       .body = "The address of this page has a token, which flies printed at its start.\n"};
+                       .body = "This page needs a token: open the address that flies printed when it started.\n"};
   }
   if (request.method != "GET" && request.method != "HEAD" && request.page_header.empty())
-    return WebAnswer{.status = 403, .body = "Orders come from the page only.\n"};
+    return WebAnswer{.status = 403, .body = "Commands are accepted from the page itself only.\n"};
   return std::nullopt;
 }
 

@@ -14,7 +14,7 @@ std::unique_ptr<WebServer> serve_web(const WebServerRequest& request, WebHandler
   std::unique_ptr<WebServer> server(serve(request, std::move(handler)));
   if (!server)
     throw InputError(fmt::format("{}:{}", request.address, request.port), "",
-                     "cannot be listened at; does another program, or is it no address of this machine?");
+                     "cannot be listened on: does another program use it, or is it not an address of this machine?");
   return server;
 }
 

@@ -48,7 +48,7 @@ TEST_F(WebServerTest, PortThatIsTakenIsTold) {
   const auto handler = [](const WebRequest&) { return WebAnswer{}; };
   const auto first = serve_web({}, handler);
   EXPECT_THAT([&] { serve_web({.address = "127.0.0.1", .port = first->port()}, handler); },
-              ThrowsMessage<InputError>(HasSubstr("cannot be listened at")));
+              ThrowsMessage<InputError>(HasSubstr("cannot be listened on")));
 }
 
 }  // namespace

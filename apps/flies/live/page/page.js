@@ -6,7 +6,7 @@ const kSliders = {
   "evolve.flies": { name: "Flies", min: 500, max: 20000, step: 500 },
   "field.x_max_m": { name: "Look ahead, metres", min: 10, max: 100, step: 5 },
   "classify.threshold_offset": { name: "Strictness about people", min: -3, max: 5, step: 0.1 },
-  "track.min_probability": { name: "Sureness of tracks", min: 0, max: 0.95, step: 0.05 },
+  "track.min_probability": { name: "Minimum certainty of tracks", min: 0, max: 0.95, step: 0.05 },
 };
 
 const shown = { run: null, number: null, changes: null, state: null, flies: null };
@@ -128,7 +128,7 @@ function draw() {
 
 function showControls(state) {
   isPaused = state.is_paused;
-  $("pause").textContent = isPaused ? "Go on" : "Pause";
+  $("pause").textContent = isPaused ? "Resume" : "Pause";
   $("step").disabled = !isPaused;
   for (const [path, { value, meaning }] of Object.entries(state.options ?? {})) showOption(path, value, meaning);
 }
@@ -185,11 +185,11 @@ function showNotes(notes) {
 }
 
 function showRates({ pairs_hz, latency_ms, latency_p99_ms, dropped, skipped, broken, losses }) {
-  const parts = [`${pairs_hz.toFixed(1)} pairs a second`,
+  const parts = [`${pairs_hz.toFixed(1)} pairs per second`,
     `latency ${latency_ms.toFixed(1)} ms, 99 %: ${latency_p99_ms.toFixed(1)} ms`, `${dropped} dropped`];
-  if (skipped > 0) parts.push(`${skipped} overtaken unread`);
+  if (skipped > 0) parts.push(`${skipped} not read in time`);
   if (broken > 0) parts.push(`${broken} broken`);
-  if (losses > 0) parts.push(`source gone ${losses} times`);
+  if (losses > 0) parts.push(`source lost ${losses} times`);
   $("rates").textContent = parts.join("; ");
 }
 
