@@ -105,7 +105,7 @@ def test_sizes_are_checked(street):
             flies.load_calibration(calib, **size)
         assert str(told.value).startswith(f"{calib}: {words}")
 
-    refused("image size: -5 x 3 px was said", width_px=-5, height_px=3)
+    refused("image size: found -5 x 3 px", width_px=-5, height_px=3)
     refused("image size: 1242 x 0 px was said", width_px=1242)
     refused("image size: 0 x 375 px was said", height_px=375)
     refused("image size: 2000000000 x 375 px was said", width_px=2000000000, height_px=375)

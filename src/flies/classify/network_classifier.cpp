@@ -28,9 +28,8 @@ NetworkOptions read_side_file(const fs::path& network) {
   std::error_code error;
   if (!fs::exists(path, error))
     throw InputError(network.string(), "",
-                     fmt::format("expected {} beside it, which says what windows the network takes and what it gives "
-                                 "(input_width_px, channels, output, ...); where all of that is as by default, it may "
-                                 "be empty",
+                     fmt::format("expected {} beside it, which describes the input and output of the network "
+                                 "(input_width_px, channels, output, ...); it may be empty if all defaults fit",
                                  path.filename().string()));
   NetworkOptions options;
   if (fs::is_regular_file(path, error) && fs::file_size(path, error) == 0) return options;

@@ -153,7 +153,7 @@ INSTANTIATE_TEST_SUITE_P(BadInput, CheckCamera,
 TEST(CheckCameraFits, RefusesImagesOfAnotherSize) {
   EXPECT_NO_THROW(check_camera_fits(level_camera(), 640, 480, "c"));
   EXPECT_THAT([] { check_camera_fits(level_camera(), 480, 640, "c"); },
-              ThrowsMessage<InputError>(HasSubstr("do they lie on their side?")));
+              ThrowsMessage<InputError>(HasSubstr("are they turned by 90 degrees?")));
   EXPECT_THAT([] { check_camera_fits(level_camera(), 320, 240, "c"); },
               ThrowsMessage<InputError>(testing::AllOf(HasSubstr("640 x 480"), HasSubstr("320 x 240"))));
 }

@@ -96,7 +96,7 @@ std::string likely_units(double baseline, double focal_px) {
       likely("was it written in metres where the file wants ", "?", baseline,
              {{"centimetres", 1e2}, {"millimetres", 1e3}, {"focal length times metres", focal_px}});
   const std::string guess = other + (other.empty() || metres.empty() ? "" : " ") + metres;
-  return (guess.empty() ? "is the unit that of the board's squares?" : guess) + " --baseline M says what it is";
+  return (guess.empty() ? "is the unit that of the board's squares?" : guess) + " --baseline M gives the right one";
 }
 
 void check_baseline(const StereoCamera& camera, const std::string& source, std::vector<std::string>& notes) {
@@ -107,19 +107,18 @@ void check_baseline(const StereoCamera& camera, const std::string& source, std::
                                  likely_units(found, camera.fx_px)));
   if (found < kProbableBaseline_m || found > kProbableMostBaseline_m)
     notes.push_back(
-        fmt::format("a baseline of {:.4g} m is hardly one of a stereo camera, and all ranges grow with it: {}", found,
-                    likely_units(found, camera.fx_px)));
+        fmt::format("a baseline of {:.4g} m is unlikely for a stereo camera, and all ranges are proportional to it: {}",
+                    found, likely_units(found, camera.fx_px)));
 }
 
 /// @throws InputError for a principal point that is none in pixels
 void check_centre_in_pixels(double cx_px, double cy_px, const std::string& source, const std::string& field) {
   constexpr double kNormalised = 1.0;  // of coordinates that are divided by the size, or counted from the middle
   if (std::abs(cx_px) > kNormalised || std::abs(cy_px) > kNormalised) return;
-  throw InputError(
-      source, field,
-      fmt::format("found ({:.4g}, {:.4g}) for cx and cy: are they normalised by the size of the images, or "
-                  "counted from their middle? expected pixels from the corner at the top left",
-                  cx_px, cy_px));
+  throw InputError(source, field,
+                   fmt::format("found ({:.4g}, {:.4g}) for cx and cy: are they normalised by the image size, or "
+                               "counted from the middle of the image? expected pixels from the top left corner",
+                               cx_px, cy_px));
 }
 
 double offset(double centre_px, int size_px) { return std::abs(centre_px / size_px - 0.5); }
@@ -166,14 +165,15 @@ std::vector<std::string> check_focal_length(const StereoCamera& camera, const st
   }
   const double aspect = camera.fx_px / camera.fy_px;
   if (aspect > kMostAspect || aspect < 1.0 / kMostAspect)
-    throw InputError(source, field,
-                     fmt::format("found {:.4g} px across and {:.4g} px down, expected much the "
-                                 "same: are both in pixels?",
-                                 camera.fx_px, camera.fy_px));
+    throw InputError(
+        source, field,
+        fmt::format(
+            "found {:.4g} px horizontally and {:.4g} px vertically, expected nearly the same: are both in pixels?",
+            camera.fx_px, camera.fy_px));
   if (aspect > kProbableAspect || aspect < 1.0 / kProbableAspect)
     notes.push_back(
-        fmt::format("the focal length across is {:.3g} times that down ({:.4g} and {:.4g} px), pixels are "
-                    "square in nearly all cameras: check whether the images were stretched",
+        fmt::format("the horizontal focal length is {:.3g} times the vertical one ({:.4g} and {:.4g} px), but nearly "
+                    "all cameras have square pixels: check whether the images were stretched",
                     aspect, camera.fx_px, camera.fy_px));
   return notes;
 }
@@ -190,8 +190,8 @@ std::optional<std::string> check_principal_point(double cx_px, double cy_px, int
   constexpr double kOfCorner = 0.05;
   if (std::abs(cx_px) <= kOfCorner * width_px && std::abs(cy_px) <= kOfCorner * height_px)
     return fmt::format(
-        "the principal point {} lies in the corner of the images: is it counted from their middle? expected pixels "
-        "from the corner at the top left",
+        "the principal point {} lies in the corner of the images: is it counted from the middle of the image? expected "
+        "pixels from the top left corner",
         found);
   return fmt::format(
       "the principal point {} is far from the middle: were the images cropped or resized after the calibration?",
@@ -236,10 +236,10 @@ void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_
   if ((is_smaller || is_larger) && std::abs(across / down - 1.0) < kResized)
     throw InputError(
         source, "image size",
-        fmt::format("is not in the file, and its principal point ({:.1f}, {:.1f}) px is that of images of "
-                    "about {:.0f} x {:.0f} px, not of {} x {} px: were they resized? Give the size that "
-                    "the calibration is for with --calib-size",
-                    camera.cx_px, camera.cy_px, 2.0 * camera.cx_px, 2.0 * camera.cy_px, width_px, height_px));
+        fmt::format(
+            "is not in the file, and its principal point ({:.1f}, {:.1f}) px fits images of about {:.0f} x {:.0f} px, "
+            "not of {} x {} px: were the images resized? Give the size that the calibration is for with --calib-size",
+            camera.cx_px, camera.cy_px, 2.0 * camera.cx_px, 2.0 * camera.cy_px, width_px, height_px));
 }
 
 bool has_exchanged_size(const StereoCamera& camera, int width_px, int height_px) {
@@ -293,7 +293,7 @@ void check_camera_matrix(const std::array<double, 9>& m, const std::string& sour
                      fmt::format("found focal lengths {:.6g} and {:.6g}, expected positive ones", m[0], m[4]));
   check_centre_in_pixels(m[2], m[5], source, key);
   if (std::abs(m[3]) > zero || std::abs(m[6]) > kZero || std::abs(m[7]) > kZero || std::abs(m[8] - 1.0) > kZero)
-    throw InputError(source, key, "is no camera matrix, expected fx 0 cx, 0 fy cy, 0 0 1");
+    throw InputError(source, key, "is not a camera matrix, expected fx 0 cx, 0 fy cy, 0 0 1");
 }
 
 void check_rotation(const std::array<double, 9>& r, const std::string& source, const std::string& key) {
@@ -307,9 +307,10 @@ void check_rotation(const std::array<double, 9>& r, const std::string& source, c
   const double determinant =
       r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) + r[2] * (r[3] * r[7] - r[4] * r[6]);
   if (fault > kRounding || determinant < 0.0)
-    throw InputError(source, key,
-                     fmt::format("is no rotation (its rows miss being orthonormal by {:.3g}, determinant {:.3g})",
-                                 fault, determinant));
+    throw InputError(
+        source, key,
+        fmt::format("is not a rotation matrix (its rows are {:.3g} off from orthonormal, determinant {:.3g})", fault,
+                    determinant));
 }
 
 }  // namespace flies::detail

@@ -44,7 +44,7 @@ void check_camera(const StereoCamera& camera, const std::string& source) {
   if (camera.cx_right_px == 0.0 && std::abs(camera.cx_px) > 1.0)
     throw InputError(
         source, "cx_right_px (principal point of the right image)",
-        fmt::format("found 0, as it is when it was not set; it is usually the same as cx_px, {:.6g}", camera.cx_px));
+        fmt::format("found 0, as if it was not set; it is usually the same as cx_px, {:.6g}", camera.cx_px));
   require_within(camera.cy_px, -kMostSize_px, kMostSize_px, "cy_px (principal point)");
   require_within(camera.baseline_m, kLeastBaseline_m, kMostBaseline_m, "baseline_m",
                  camera.baseline_m < 0.0 ? " (a negative baseline means that left and right are swapped)" : "");
@@ -64,32 +64,29 @@ void check_camera(const StereoCamera& camera, const std::string& source) {
 void check_camera_fits(const StereoCamera& camera, int width_px, int height_px, const std::string& source) {
   if (camera.width_px > 0 && camera.height_px > 0) {
     if (camera.width_px == height_px && camera.height_px == width_px && width_px != height_px)
-      throw InputError(
-          source, "image size",
-          fmt::format("the calibration is for {} x {} px, the images have {} x {} px: do they lie on their "
-                      "side? (They are turned as their EXIF orientation says.)",
-                      camera.width_px, camera.height_px, width_px, height_px));
+      throw InputError(source, "image size",
+                       fmt::format("the calibration is for {} x {} px, the images have {} x {} px: are they turned by "
+                                   "90 degrees? (Their EXIF orientation is already applied.)",
+                                   camera.width_px, camera.height_px, width_px, height_px));
     if (width_px >= camera.width_px && height_px >= camera.height_px &&
         width_px + height_px > camera.width_px + camera.height_px)
       throw InputError(
           source, "image size",
-          fmt::format(
-              "the calibration is for {} x {} px, the images have {} x {} px: were they padded by {} columns and "
-              "{} rows, or letterboxed (then cut that off)? Where nothing was added, they were resized by {:.3g} "
-              "across and {:.3g} down (then: --resized)",
-              camera.width_px, camera.height_px, width_px, height_px, width_px - camera.width_px,
-              height_px - camera.height_px, static_cast<double>(width_px) / camera.width_px,
-              static_cast<double>(height_px) / camera.height_px));
-    if (camera.width_px != width_px || camera.height_px != height_px)
-      throw InputError(
-          source, "image size",
-          fmt::format("the calibration is for {} x {} px, the images have {} x {} px: were they resized by {:.3g} "
-                      "across and {:.3g} down (then: --resized), letterboxed (then cut the borders off), or cropped? "
-                      "Then take the columns and rows that were cut off at the left and at the top from cx and cy, and "
-                      "give the size of the images",
-                      camera.width_px, camera.height_px, width_px, height_px,
-                      static_cast<double>(width_px) / camera.width_px,
+          fmt::format("the calibration is for {} x {} px, the images have {} x {} px: were they padded by {} columns "
+                      "and {} rows, or letterboxed (then cut that off)? If nothing was added, they were resized by "
+                      "{:.3g} horizontally and {:.3g} vertically (then give --resized)",
+                      camera.width_px, camera.height_px, width_px, height_px, width_px - camera.width_px,
+                      height_px - camera.height_px, static_cast<double>(width_px) / camera.width_px,
                       static_cast<double>(height_px) / camera.height_px));
+    if (camera.width_px != width_px || camera.height_px != height_px)
+      throw InputError(source, "image size",
+                       fmt::format("the calibration is for {} x {} px, the images have {} x {} px: were they resized "
+                                   "by {:.3g} horizontally and {:.3g} vertically (then give --resized), letterboxed "
+                                   "(then cut the borders off), or cropped? Then subtract the columns and rows cut off "
+                                   "at the left and at the top from cx and cy, and give the size of the images",
+                                   camera.width_px, camera.height_px, width_px, height_px,
+                                   static_cast<double>(width_px) / camera.width_px,
+                                   static_cast<double>(height_px) / camera.height_px));
     return;
   }
   // A file without a size still betrays itself: the principal point of a real camera lies well inside its image.

@@ -69,7 +69,7 @@ TEST(OpenDataset, TellsWhatTheCalibrationIsDoubtedFor) {
   said.baseline_m = 0.54;
   const Dataset overruled = open_dataset(folder.path(), said);
   EXPECT_EQ(overruled.load(0).camera.baseline_m, 0.54);
-  EXPECT_THAT(overruled.notes, ElementsAre(HasSubstr("the baseline is 0.54 m as was said, not 5.4")));
+  EXPECT_THAT(overruled.notes, ElementsAre(HasSubstr("the baseline is 0.54 m as given, not 5.4")));
 }
 
 /// P rows of cameras 2 and 3, the rest of a KITTI calibration and a lidar that looks ahead.

@@ -268,7 +268,8 @@ std::optional<std::string> note_on_unusable(const std::vector<ReportedFrame>& re
 std::vector<ReportedFrame> match_detections(std::vector<ReportedFrame> reported, const std::vector<PairPaths>& pairs,
                                             const std::string& source) {
   if (reported.size() != pairs.size())
-    throw InputError(source, "", fmt::format("found {} lines, expected {}, one a pair", reported.size(), pairs.size()));
+    throw InputError(source, "",
+                     fmt::format("found {} lines, expected {}, one per pair", reported.size(), pairs.size()));
   const bool by_name = std::all_of(reported.begin(), reported.end(), [](const auto& r) { return !r.left.empty(); });
   const bool by_frame =
       std::all_of(reported.begin(), reported.end(), [](const auto& r) { return r.frame.has_value(); });
@@ -277,7 +278,7 @@ std::vector<ReportedFrame> match_detections(std::vector<ReportedFrame> reported,
   for (std::size_t i = 0; i < reported.size(); ++i)
     if (!line_of_key.emplace(keys[i], i).second)
       throw InputError(source, fmt::format("line {}", reported[i].line),
-                       fmt::format("found a second line for pair {}, expected one a pair", keys[i]));
+                       fmt::format("found a second line for pair {}, expected one per pair", keys[i]));
   std::vector<ReportedFrame> ordered;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const std::string key = by_name ? detail::stem_of(pairs[i].left) : std::to_string(i);

@@ -249,7 +249,7 @@ TEST(MatchDetections, GoesByNumberAndThenByOrder) {
 }
 
 TEST(MatchDetections, AsksForOneLineAPair) {
-  EXPECT_EQ(match_complaint("{\"obstacles\": []}\n"), "d.jsonl: found 1 lines, expected 2, one a pair");
+  EXPECT_EQ(match_complaint("{\"obstacles\": []}\n"), "d.jsonl: found 1 lines, expected 2, one per pair");
   EXPECT_THAT(match_complaint("{\"frame\": 1, \"obstacles\": []}\n{\"frame\": 1, \"obstacles\": []}\n"),
               HasSubstr("d.jsonl: line 2: found a second line for pair 1"));
   EXPECT_THAT(match_complaint("{\"left\": \"a.png\", \"obstacles\": []}\n{\"left\": \"c.png\", \"obstacles\": []}\n"),

@@ -96,7 +96,7 @@ Dataset open_scenes(const fs::path& folder, const DatasetRequest& request) {
                                             [](const fs::path& file) { return file.extension() == ".json"; });
   if (static_cast<std::size_t>(truths) != dataset.pairs.size())
     throw InputError((folder / "truth").string(), "",
-                     fmt::format("found {} JSON files, expected {}, one a pair", truths, dataset.pairs.size()));
+                     fmt::format("found {} JSON files, expected {}, one per pair", truths, dataset.pairs.size()));
   add_scene_files(folder, dataset);
   const auto camera_of = camera_of_scenes(folder, request, dataset);
   if (detail::is_there(folder / "times.txt")) add_moments(folder, dataset);

@@ -35,10 +35,11 @@ const detail::CalibrationFormat& recognise(const NumberTable& table) {
     if (format->matches(table)) return *format;
   std::string known;
   for (const auto* format : kFormats) known += (known.empty() ? "" : ", ") + std::string(format->name);
-  throw InputError(table.source, "format",
-                   fmt::format("not recognised, expected one of: {}; of rectified images seven lines of YAML will do: "
-                               "fx: 700, fy: 700, cx: 320, cy: 240, baseline: 0.12 (metres), width: 640, height: 480",
-                               known));
+  throw InputError(
+      table.source, "format",
+      fmt::format("not recognised, expected one of: {}; for rectified images, seven lines of YAML are enough: fx: 700, "
+                  "fy: 700, cx: 320, cy: 240, baseline: 0.12 (metres), width: 640, height: 480",
+                  known));
 }
 
 constexpr double kProbableHeight_m = 20.0;
@@ -58,7 +59,7 @@ void check_asked_mount(const CalibrationRequest& request) {
   said.height_m = request.camera_height_m.value_or(said.height_m);
   said.pitch_rad = request.camera_pitch_rad.value_or(said.pitch_rad);
   said.roll_rad = request.camera_roll_rad.value_or(said.roll_rad);
-  detail::check_mount(said, "mount that was said (--camera-height, --camera-pitch, --camera-roll)");
+  detail::check_mount(said, "given mount (--camera-height, --camera-pitch, --camera-roll)");
 }
 
 void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
@@ -82,9 +83,10 @@ void apply_mount(const CalibrationRequest& request, Calibration& calibration) {
         {fmt::format("a camera height of {:.4g} m is improbable for a camera that looks along the road: {}",
                      mount.height_m, likely_unit(mount.height_m))});
   if (!missing.empty())
-    calibration.notes.push_back({fmt::format("the file has no camera {}, assumed: {} ({})", fmt::join(missing, " and "),
-                                             fmt::join(assumed, " and "), fmt::join(flags, ", ")),
-                                 CalibrationNoteKind::mount});
+    calibration.notes.push_back(
+        {fmt::format("the file gives no camera {}, assumed: {} (set with {})", fmt::join(missing, " and "),
+                     fmt::join(assumed, " and "), fmt::join(flags, ", ")),
+         CalibrationNoteKind::mount});
 }
 
 /// Images that are as wide as the calibration's and lower were cut off, by rows: no range depends on which. As long as
@@ -99,9 +101,9 @@ bool was_cut_off(const CalibrationRequest& request, const Calibration& calibrati
 void take_as_cut_off(const CalibrationRequest& request, Calibration& calibration, int height_px) {
   const int rows = height_px - request.height_px;
   calibration.notes.push_back({fmt::format(
-      "the calibration is for {} x {} px, of which the images have the upper {} rows, it seems: if {} rows were cut "
-      "off at the top instead, the camera seems to look {:.1f} degrees down, which --mount auto finds from the road; "
-      "or were they squeezed (--resized)?",
+      "the calibration is for {} x {} px, and the images seem to be the upper {} rows of that: if {} rows were cut off "
+      "at the top instead, the camera seems to look {:.1f} degrees down, which --mount auto finds from the road; if "
+      "the images were squeezed, give --resized",
       request.width_px, height_px, request.height_px, rows, degrees(std::atan(rows / calibration.camera.fy_px)))});
   calibration.camera.width_px = request.width_px;
   calibration.camera.height_px = request.height_px;
@@ -114,12 +116,12 @@ bool was_squeezed(const CalibrationRequest& request, const Calibration& calibrat
 }
 
 void take_as_squeezed(const CalibrationRequest& request, Calibration& calibration, int height_px) {
-  calibration.notes.push_back({fmt::format(
-      "the calibration is for {} x {} px, and the images have half the rows: taken as squeezed, as fields of "
-      "interlaced video are (--resized says so); if rows were cut off instead, the road seems to lie twice as far "
-      "below "
-      "the camera as it does: then give the camera their size, its height, and cy less the rows cut off at the top",
-      request.width_px, height_px)});
+  calibration.notes.push_back(
+      {fmt::format("the calibration is for {} x {} px, and the images have half the rows: they are taken as squeezed, "
+                   "like fields of interlaced video (--resized confirms that); if rows were cut off instead, the road "
+                   "seems to lie twice as far below the camera as it does: then put the size of the images and cy less "
+                   "the rows cut off at the top into the calibration, and give the height of the camera",
+                   request.width_px, height_px)});
   const detail::ImageScale halved{1.0, static_cast<double>(request.height_px) / height_px};
   calibration.camera = detail::scaled_camera(calibration.camera, halved, request.width_px, request.height_px);
 }
@@ -162,22 +164,21 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
     check_camera_fits(camera, request.width_px, request.height_px, source);
   }
   if (deduced && !detail::scale_to_images((*deduced)[0], (*deduced)[1], request))
-    throw InputError(
-        source, "image size",
-        fmt::format(
-            "is not in the file, whose numbers are those of images of {} x {} px, not of {} x {} px: were they "
-            "cropped, or resized by {:.3g} across and {:.3g} down (then: --resized)? --calib-size W,H says what "
-            "size it is for",
-            (*deduced)[0], (*deduced)[1], request.width_px, request.height_px,
-            static_cast<double>(request.width_px) / (*deduced)[0],
-            static_cast<double>(request.height_px) / (*deduced)[1]));
+    throw InputError(source, "image size",
+                     fmt::format("is not in the file, whose numbers fit images of {} x {} px, not of {} x {} px: were "
+                                 "the images cropped, or resized by {:.3g} horizontally and {:.3g} vertically (then "
+                                 "give --resized)? --calib-size W,H gives the size that the calibration is for",
+                                 (*deduced)[0], (*deduced)[1], request.width_px, request.height_px,
+                                 static_cast<double>(request.width_px) / (*deduced)[0],
+                                 static_cast<double>(request.height_px) / (*deduced)[1]));
   if (deduced) {
     camera.width_px = (*deduced)[0];
     camera.height_px = (*deduced)[1];
     calibration.notes.push_back(
         {detail::note_on_deduced_size(camera.cx_px, camera.cy_px, camera.width_px, camera.height_px)});
   } else if (camera.width_px == 0 && request.images_are_resized) {
-    throw InputError(source, "image size", "is not in the file: say what the images were resized from (--calib-size)");
+    throw InputError(source, "image size",
+                     "is not in the file: give the size that the images were resized from (--calib-size W,H)");
   } else if (camera.width_px == 0) {
     detail::check_size_of_unsized(camera, request.width_px, request.height_px, source);
     check_camera_fits(camera, request.width_px, request.height_px, source);
@@ -215,7 +216,7 @@ void check_size(int width_px, int height_px, const std::string& path, const char
   if (width_px == 0 && height_px == 0) return;
   if (width_px < 1 || width_px > kMost_px || height_px < 1 || height_px > kMost_px)
     throw InputError(path, field,
-                     fmt::format("{} x {} px was said, expected 1 to {} px each, or 0 x 0: not known", width_px,
+                     fmt::format("found {} x {} px, expected 1 to {} px each, or 0 x 0 if it is not known", width_px,
                                  height_px, kMost_px));
 }
 
@@ -226,8 +227,8 @@ void detail::check_said_size(int width_px, int height_px, const CalibrationReque
   const int said_width_px = request.calibrated_width_px, said_height_px = request.calibrated_height_px;
   if (said_width_px == 0 || (width_px == said_width_px && height_px == said_height_px)) return;
   throw InputError(source, "image size",
-                   fmt::format("is {} x {} px in the file, and {} x {} px was said (--calib-size), which is for files "
-                               "that say none, or several: leave it out, or correct the file",
+                   fmt::format("found {} x {} px in the file, but {} x {} px in --calib-size, which is for files that "
+                               "give no size or several: leave it out, or correct the file",
                                width_px, height_px, said_width_px, said_height_px));
 }
 
@@ -244,28 +245,28 @@ CalibrationNote detail::note_on_scale(int width_px, int height_px, const ImageSc
                                       const CalibrationRequest& request) {
   const std::string by = scale.across == scale.down
                              ? fmt::format("{:.4g}", scale.across)
-                             : fmt::format("{:.4g} across and {:.4g} down", scale.across, scale.down);
+                             : fmt::format("{:.4g} horizontally and {:.4g} vertically", scale.across, scale.down);
   auto note = fmt::format("the calibration is for {} x {} px, scaled by {} to the images of {} x {} px", width_px,
                           height_px, by, request.width_px, request.height_px);
   if (request.images_are_resized || scale.across >= 1.0) return {std::move(note), CalibrationNoteKind::told};
   note += fmt::format(
-      "; if they were cut out of larger ones instead, ranges are {:.3g} times those printed: subtract the columns and "
-      "rows cut off at the left and at the top from cx and cy, and give the size of the images",
+      "; if they were cropped from larger images instead, ranges are {:.3g} times those printed: subtract the columns "
+      "and rows cut off at the left and at the top from cx and cy, and give the size of the images",
       1.0 / scale.across);
   return {std::move(note)};
 }
 
 std::string detail::note_on_deduced_size(double cx_px, double cy_px, int width_px, int height_px) {
   return fmt::format(
-      "the file has no image size; its principal point ({:.1f}, {:.1f}) px is that of images of {} x {} px "
-      "(--calib-size says otherwise)",
+      "the file has no image size; its principal point ({:.1f}, {:.1f}) px fits images of {} x {} px, which is assumed "
+      "(--calib-size gives another)",
       cx_px, cy_px, width_px, height_px);
 }
 
 std::string detail::note_on_exchanged_size(int width_px, int height_px) {
   return fmt::format(
-      "the file's width and height are exchanged, as NumPy and MATLAB write rows first: taken as {} x {} px, as the "
-      "images and the principal point are",
+      "the file's width and height are exchanged, as NumPy and MATLAB write rows first: taken as {} x {} px, which "
+      "fits the images and the principal point",
       width_px, height_px);
 }
 
@@ -299,19 +300,22 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
   check_size(request.width_px, request.height_px, path, "image size");
   check_size(request.calibrated_width_px, request.calibrated_height_px, path, "calibrated size");
   if (request.images_are_resized && request.width_px <= 0)
-    throw InputError(path, "image size", "of the resized images is not known: say it (--size)");
+    throw InputError(path, "image size", "of the resized images is not known: give it with --size W,H");
   const auto table = read_number_table(path);
   const auto& format = recognise(table);
   if (request.cameras && !format.has_cameras)
-    throw InputError(path, "cameras", fmt::format("cannot be chosen: a file of the format {} has two", format.name));
+    throw InputError(path, "cameras",
+                     fmt::format("cannot be chosen: a file of the format {} has only two", format.name));
   if (!request.right_path.empty() && !format.has_second_file)
-    throw InputError(request.right_path, "right calibration",
-                     fmt::format("is not used: {} is of the format {}, which says all in one file", path, format.name));
+    throw InputError(
+        request.right_path, "right calibration",
+        fmt::format("is not used: {} is of the format {}, which holds everything in one file", path, format.name));
   auto calibration = format.read(table, request);
   calibration.format = format.name;
   if (request.images_are_raw && !calibration.rectifier)
-    throw InputError(path, "raw images",
-                     fmt::format("are nothing that this file describes: {} is of rectified ones", format.name));
+    throw InputError(
+        path, "raw images",
+        fmt::format("cannot be rectified with this file: {} describes rectified images only", format.name));
   return detail::completed(std::move(calibration), request, path);
 }
 

@@ -150,7 +150,7 @@ TEST(LoadCalibration, RejectsSizesThatNoImageHas) {
     CalibrationRequest of_images, of_file;
     of_images.width_px = of_file.calibrated_width_px = width_px;
     of_images.height_px = of_file.calibrated_height_px = height_px;
-    const auto found = fmt::format("{} x {} px was said", width_px, height_px);
+    const auto found = fmt::format("found {} x {} px", width_px, height_px);
     EXPECT_THAT(error_of([&] { load_calibration(path, of_images); }), HasSubstr("image size: " + found));
     EXPECT_THAT(error_of([&] { load_calibration(path, of_file); }), HasSubstr("calibrated size: " + found));
   }

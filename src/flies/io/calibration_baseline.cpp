@@ -36,7 +36,7 @@ void check_focal_times_baseline(const Calibration& calibration, const std::strin
     return;
   throw InputError(source, "baseline",
                    fmt::format("found {:.4g} m ({}): were metres written ({:.4g} m) where the format has the focal "
-                               "length times metres ({:.4g})? --baseline M says what it is",
+                               "length times metres ({:.4g})? --baseline M gives the right one",
                                camera.baseline_m, names_of(calibration), meant_m, meant_m * camera.fx_px));
 }
 
@@ -54,26 +54,27 @@ void check_baseline(const Calibration& calibration, const CalibrationRequest& re
     }
     if (calibration.rectifier)
       causes +=
-          ", or rotation and translation (R, T) are the pose of the right camera instead of what takes points of the "
-          "left one to it";
+          ", or rotation and translation (R, T) are the pose of the right camera instead of the transformation of "
+          "points from the left camera to the right one";
     throw InputError(source, "baseline", fmt::format("found {:.4g} m: {}", baseline_m, causes));
   }
   if (baseline_m == 0.0 && (calibration.rectifier || !request.baseline_m))
-    throw InputError(source, "baseline",
-                     fmt::format("found 0 m: both cameras stand in one place ({}){}", pair,
-                                 calibration.rectifier ? "" : "; where the file leaves it out, say it: --baseline M"));
+    throw InputError(
+        source, "baseline",
+        fmt::format("found 0 m: both cameras are in the same place ({}){}", pair,
+                    calibration.rectifier ? "" : "; if the file leaves it out, give it with --baseline M"));
 }
 
 }  // namespace
 
 double missing_baseline(const CalibrationRequest& request, const std::string& source, const std::string& key) {
   if (request.baseline_m) return 0.0;
-  throw InputError(source, key, "is missing: say how far the cameras stand apart (--baseline M)");
+  throw InputError(source, key, "is missing: give the distance between the cameras (--baseline M)");
 }
 
 void check_asked_baseline(double baseline_m, const std::string& source) {
   if (!(baseline_m > 0.0) || !std::isfinite(baseline_m))
-    throw InputError(source, "baseline", fmt::format("{} m was asked for, expected more than 0", baseline_m));
+    throw InputError(source, "baseline", fmt::format("found {} m, expected more than 0", baseline_m));
 }
 
 void override_baseline(double baseline_m, const std::string& source, Calibration& calibration) {
@@ -91,7 +92,7 @@ void override_baseline(double baseline_m, const std::string& source, Calibration
   }
   const std::string instead = found_m > 0.0 ? fmt::format("{:.4g} as in the file", found_m) : "in the file";
   calibration.notes.push_back(
-      {fmt::format("the baseline is {:.4g} m as was said, not {}", baseline_m, instead), CalibrationNoteKind::told});
+      {fmt::format("the baseline is {:.4g} m as given, not {}", baseline_m, instead), CalibrationNoteKind::told});
 }
 
 void settle_baseline(const CalibrationRequest& request, const std::string& source, Calibration& calibration) {

@@ -57,7 +57,7 @@ TEST(Mistakes, FocalLengthsOfRawCamerasInAnotherUnitAreRefused) {
   rig = ToyRig();
   rig.m1(0, 0) *= 2.0;
   EXPECT_THAT(texts(load(raw(rig, kSize)).notes),
-              Contains(HasSubstr("M1: the focal length across is 2 times that down")));
+              Contains(HasSubstr("M1: the horizontal focal length is 2 times the vertical one")));
   EXPECT_THAT(texts(load(raw(ToyRig(), kSize)).notes), Not(Contains(HasSubstr("focal length"))));
 }
 
@@ -85,7 +85,8 @@ TEST(Mistakes, RawCamerasWithoutASizeAreScaledToHalfImagesOrAskForIt) {
   const auto half = load(text, for_images(320, 240));
   EXPECT_DOUBLE_EQ(half.rectifier->raw().left.matrix[0], 210.0);
   EXPECT_EQ(half.camera.width_px, 320);
-  EXPECT_THAT(texts(half.notes), Contains(HasSubstr("images of 640 x 480 px (--calib-size says otherwise)")));
+  EXPECT_THAT(texts(half.notes),
+              Contains(HasSubstr("images of 640 x 480 px, which is assumed (--calib-size gives another)")));
   expect_rectifies(load(text, for_images(640, 480)), ToyRig());
   EXPECT_THAT(fault_of(text, for_images(480, 360)), HasSubstr("--calib-size"));
   auto said = for_images(480, 360);
@@ -130,7 +131,7 @@ TEST(Mistakes, ABaselineThatTheFileLeavesOutIsSaid) {
     const auto calibration = load(text, with_baseline(0.12));
     EXPECT_EQ(calibration.camera.baseline_m, 0.12) << text;
     EXPECT_EQ(calibration.camera.width_px, 640) << text;
-    EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("0.12 m as was said, not in the file")));
+    EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("0.12 m as given, not in the file")));
     EXPECT_THAT(fault_of(text), HasSubstr("--baseline M")) << text;
   }
 }
@@ -148,7 +149,7 @@ TEST(Mistakes, NormalisedCamerasAreToldFromSmallOnes) {
 
 TEST(Mistakes, AWindowOfTheSameShapeIsToldBesideTheScale) {
   const std::string own = "fx_px: 400\ncx_px: 320\ncy_px: 240\nbaseline_m: 0.12\nwidth_px: 640\nheight_px: 480\n";
-  const auto cut_out = HasSubstr("cut out of larger ones instead, ranges are 2 times those printed");
+  const auto cut_out = HasSubstr("cropped from larger images instead, ranges are 2 times those printed");
   EXPECT_THAT(texts(load(own, for_images(320, 240)).notes), Contains(cut_out));
   EXPECT_THAT(texts(load(raw(ToyRig(), kSize), for_images(320, 240)).notes), Contains(cut_out));
   EXPECT_THAT(texts(load(own, for_images(1280, 960)).notes), Not(Contains(HasSubstr("cut out"))));
@@ -167,7 +168,7 @@ TEST(Mistakes, HeightsInAnotherUnitAreTold) {
 TEST(Mistakes, SkewIsToldAndLeftOut) {
   ToyRig rig;
   rig.m1(0, 1) = 25.0;
-  EXPECT_THAT(texts(load(raw(rig, kSize)).notes), Contains(HasSubstr("M1: its skew of 25 px is left out")));
+  EXPECT_THAT(texts(load(raw(rig, kSize)).notes), Contains(HasSubstr("M1: its skew of 25 px is ignored")));
 }
 
 TEST(Mistakes, NegativeBaselinesNameTheirCauses) {
@@ -197,7 +198,7 @@ TEST(Mistakes, TheTwoBaselinesOfOrbSlamAreHeldAgainstEachOther) {
   const auto both = load(camera + "0.12\nCamera.bf: 24\n");
   EXPECT_EQ(both.camera.baseline_m, 0.12);
   EXPECT_THAT(texts(both.notes),
-              Contains(HasSubstr("Camera.bf says a baseline of 0.06 m, Stereo.b one of 0.12 m, which is taken")));
+              Contains(HasSubstr("Camera.bf gives a baseline of 0.06 m, Stereo.b one of 0.12 m, which is used")));
   EXPECT_THAT(texts(load(camera + "0.12\nCamera.bf: 48\n").notes), Not(Contains(HasSubstr("Stereo.b"))));
   EXPECT_THAT(fault_of(camera + "48\n"), HasSubstr("or focal length times metres (0.12 m)"));
 }
@@ -206,7 +207,7 @@ TEST(Mistakes, AMountThatIsSaidIsNotTheFilesFault) {
   CalibrationRequest request;
   request.camera_pitch_rad = radians(95.0);
   EXPECT_THAT(fault_of("Camera.fx: 400\nCamera.fy: 400\nCamera.cx: 320\nCamera.cy: 240\nStereo.b: 0.1\n", request),
-              AllOf(StartsWith("mount that was said"), HasSubstr("found 95")));
+              AllOf(StartsWith("given mount"), HasSubstr("found 95")));
 }
 
 TEST(Mistakes, AnotherSizeThanTheFilesIsRefused) {
@@ -215,7 +216,8 @@ TEST(Mistakes, AnotherSizeThanTheFilesIsRefused) {
   request.calibrated_height_px = 960;
   const std::string own = "fx_px: 400\ncx_px: 320\ncy_px: 240\nbaseline_m: 0.12\nwidth_px: 640\nheight_px: 480\n";
   for (const auto& text : {own, raw(ToyRig(), kSize)})
-    EXPECT_THAT(fault_of(text, request), HasSubstr("is 640 x 480 px in the file, and 1280 x 960 px was said")) << text;
+    EXPECT_THAT(fault_of(text, request), HasSubstr("found 640 x 480 px in the file, but 1280 x 960 px in --calib-size"))
+        << text;
   request.calibrated_width_px = 640;
   request.calibrated_height_px = 480;
   EXPECT_EQ(load(own, request).camera.width_px, 640);
@@ -252,8 +254,9 @@ TEST(LoadCalibration, TakesImagesOfHalfTheHeightAsSqueezed) {
     EXPECT_THAT(texts(calibration.notes), Not(Contains(HasSubstr("stretched"))));
   }
   request.height_px = 250;
-  EXPECT_THAT(texts(load_calibration(own(375), request).notes),
-              Contains(AllOf(HasSubstr("the upper 250 rows"), HasSubstr("or were they squeezed (--resized)?"))));
+  EXPECT_THAT(
+      texts(load_calibration(own(375), request).notes),
+      Contains(AllOf(HasSubstr("the upper 250 rows"), HasSubstr("if the images were squeezed, give --resized"))));
 }
 
 TEST(LoadCalibration, DoesNotAskWhetherImagesWereStretchedThatWereSaidToBeResized) {

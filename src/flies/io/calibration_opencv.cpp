@@ -53,7 +53,7 @@ void check_no_distortion(const NumberTable& table) {
     if ((key.starts_with('d') || key.starts_with('D')) && count >= kFewest && count <= kMost)
       throw InputError(
           table.source, key,
-          fmt::format("found {} numbers: are they coefficients of distortion? expected them as D1 and D2", count));
+          fmt::format("found {} numbers: are they distortion coefficients? expected those as D1 and D2", count));
   }
 }
 
@@ -61,7 +61,7 @@ void check_no_distortion(const NumberTable& table) {
 double metres_per_unit(const OpenCvNames& names, const std::vector<double>& t, CalibrationNotes& notes) {
   if (!names.is_of_matlab) return 1.0;
   const bool is_millimetres = are_millimetres(t);
-  notes.push_back({fmt::format("{} is taken as {} (--baseline M says otherwise)", names.translation,
+  notes.push_back({fmt::format("{} is taken as {} (correct it with --baseline M)", names.translation,
                                is_millimetres ? "millimetres, as MATLAB's world units are" : "metres")});
   return is_millimetres ? 1e-3 : 1.0;
 }
@@ -76,7 +76,7 @@ Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const C
   const bool is_undistorted = !table.has(names.distortions[0]) && !table.has(names.distortions[1]);
   if (is_undistorted) {
     check_no_distortion(table);
-    pair.notes.push_back({"the file has no coefficients of distortion: the lenses are taken as free of it"});
+    pair.notes.push_back({"the file has no distortion coefficients: the lenses are taken as free of distortion"});
   }
   if (!is_undistorted) pair.distortion_keys = names.distortions;
   const auto camera_of = [&](std::size_t side) {
@@ -142,8 +142,8 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
   const bool has_raw = names.has_matrices && names.has_pose;
   if (names.has_matrices && !has_raw && !has_rectified && !has_second_file && !table.has(names.rotation))
     throw InputError(table.source, names.rotation,
-                     "is missing, how the cameras stand: where that is in a file of its own (extrinsics.yml), give it "
-                     "too: --right-calib FILE");
+                     "is missing, so the pose of the cameras is not known: if that is in a file of its own "
+                     "(extrinsics.yml), give it too with --right-calib FILE");
   // Intrinsics given as a file of their own say that the images are raw; beside P1 and P2 they are just the record of
   // the calibration.
   if (request.images_are_raw || !has_rectified || (has_raw && has_second_file)) return read_raw(table, names, request);
@@ -158,13 +158,13 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
   calibration.camera.height_px = height_px;
   if (has_raw)
     calibration.notes.push_back(
-        {"the images are taken as rectified because the file holds P1 and P2; M1, D1, M2, D2, R "
-         "and T are ignored (--raw: they are as the cameras gave them)",
+        {"the images are taken as rectified because the file holds P1 and P2; M1, D1, M2, D2, R and T are ignored "
+         "(give --raw if the images are as the cameras gave them)",
          CalibrationNoteKind::told});
   else if (table.has("R1") && table.has("R2"))
     calibration.notes.push_back(
-        {"the file holds the extrinsics of raw cameras without their intrinsics; the images are taken as rectified. If "
-         "they are not, give the file of the intrinsics too (--right-calib)",
+        {"the file holds the extrinsics of raw cameras without their intrinsics, so the images are taken as rectified. "
+         "If they are not, give the file of the intrinsics too (--right-calib)",
          CalibrationNoteKind::told});
   return calibration;
 }

@@ -104,8 +104,8 @@ struct RosCamera : RosCameraKeys {
     const auto [own_table, key] = projection();
     if (is_zero(own_table.require(key, 12)))
       throw InputError(own_table.source, key,
-                       "is 0 throughout: the camera is not calibrated; calibrate both, or give the calibration that "
-                       "they have (--calib)");
+                       "holds only zeros: the camera is not calibrated; calibrate both cameras, or give their "
+                       "calibration with --calib");
   }
 };
 
@@ -155,10 +155,11 @@ NumberTable windowed(const NumberTable& table, const std::string& prefix, const 
                                  window->x_px, window->y_px);
   if (!shows(*window, camera, request)) {
     if (request.width_px != camera.width_px() || request.height_px != camera.height_px())
-      notes.push_back({fmt::format("{}roi, {}, is left out: it is for images of that size", prefix, place)});
+      notes.push_back({fmt::format("{}roi, {}, is ignored: it is for images of that size", prefix, place)});
     return table;
   }
-  notes.push_back({fmt::format("{}roi is read as {}, which the images show: cx and cy are those in it", prefix, place),
+  notes.push_back({fmt::format("{}roi is read as {}, which is what the images show: cx and cy are counted within it",
+                               prefix, place),
                    CalibrationNoteKind::told});
   NumberTable shifted = table;
   const auto numbers = [&](std::initializer_list<const char*> names) -> std::vector<double>* {
@@ -189,8 +190,8 @@ Calibration read_ros_pair(const RosCamera& left, const RosCamera& right, const C
   calibration.camera.height_px = left.height_px();
   if (left.is_distorted() || right.is_distorted())
     calibration.notes.push_back(
-        {"the images are taken as rectified (image_rect); the distortion coefficients are ignored (--raw: they are as "
-         "the cameras gave them, image_raw)",
+        {"the images are taken as rectified (image_rect); the distortion coefficients are ignored (give --raw if the "
+         "images are as the cameras gave them, image_raw)",
          CalibrationNoteKind::told});
   return calibration;
 }
@@ -209,8 +210,8 @@ double baseline_of_the_user(const CalibrationRequest& request, const RosCamera& 
     return *request.baseline_m;
   }
   throw InputError(right.table.source, right.projection().key,
-                   "says that both cameras stand in one place, as where each was calibrated alone: say how far they "
-                   "stand apart (--baseline M)");
+                   "says that both cameras are in the same place, as if each was calibrated alone: give the distance "
+                   "between them (--baseline M)");
 }
 
 /// Of images as the cameras gave them: the file says how each of them is rectified, and so where the other stands.
@@ -226,8 +227,8 @@ Calibration read_raw_ros_pair(const RosCamera& left, const RosCamera& right, con
     const double baseline_m = baseline_of_the_user(request, right);
     right_view.projection[3] -= baseline_m * right_view.projection[0];
     pair.notes.push_back(
-        {fmt::format("{} says that both cameras stand in one place, as where each was calibrated alone: "
-                     "the cameras are taken as {:.4g} m apart, as was said, and turned as R says",
+        {fmt::format("{} says that both cameras are in the same place, as if each was calibrated alone: they are taken "
+                     "as {:.4g} m apart, as given, and turned as R says",
                      right.projection().key, baseline_m)});
   }
   pair.stereo.left = left_view.camera;

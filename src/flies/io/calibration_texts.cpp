@@ -102,10 +102,10 @@ CalibrationTexts calibration_texts(const Calibration& calibration, CalibrationSy
   const bool holds_raw = syntax == CalibrationSyntax::opencv || syntax == CalibrationSyntax::ros;
   if (calibration.rectifier && !holds_raw)
     throw InputError(source, "format",
-                     "is of raw images, and KITTI and our own YAML are of rectified ones; allowed: opencv, ros");
+                     "is of raw images, but KITTI and the YAML of flies are of rectified ones; allowed: opencv, ros");
   const bool holds_size = syntax == CalibrationSyntax::ros || syntax == CalibrationSyntax::yaml;
   if (holds_size && calibration.camera.width_px == 0)
-    throw InputError(source, "image size", "is missing, and ROS and our own YAML want it; give it with --size");
+    throw InputError(source, "image size", "is missing, but ROS and the YAML of flies need it; give it with --size");
   switch (syntax) {
     case CalibrationSyntax::kitti:
       return {kitti(calibration.camera), ""};

@@ -30,8 +30,8 @@ constexpr Binary kBinaries[] = {
     {"\x93NUMPY",
      "is one NumPy array (.npy), expected all numbers in one text: json.dumps({'K1': numpy.load('K1.npy')"
      ".tolist(), ...}), with D1, K2, D2, R, T and image_size"},
-    {"MATLAB 5.0 MAT-file", "is a MAT-file: jsonencode(toStruct(stereoParams)) writes what is read"},
-    {"\x89HDF", "is an HDF5 or MAT-file: jsonencode(toStruct(stereoParams)) in MATLAB writes what is read"},
+    {"MATLAB 5.0 MAT-file", "is a MAT-file: jsonencode(toStruct(stereoParams)) in MATLAB writes what flies reads"},
+    {"\x89HDF", "is an HDF5 or MAT-file: jsonencode(toStruct(stereoParams)) in MATLAB writes what flies reads"},
     {"\x89PNG", kPicture},
     {"\xFF\xD8\xFF", kPicture},
     {"II*\0"sv, kPicture},

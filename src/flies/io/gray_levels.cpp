@@ -201,8 +201,8 @@ GrayPair pair_of_levels(const cv::Mat& left, const cv::Mat& right) {
   if (has_exchanged_bytes(left) && has_exchanged_bytes(right)) {
     GrayPair pair = pair_of_levels(exchanged_bytes(left), exchanged_bytes(right));
     pair.notes.push_back(
-        "the bytes of the 16-bit levels stand in the other order than the format wants (PGM: the upper byte first); "
-        "they are exchanged");
+        "the bytes of the 16-bit levels are in the wrong order for the format (PGM: the upper byte first); they are "
+        "swapped");
     return pair;
   }
   const int bit_depth = std::max(significant_bits(left), significant_bits(right));

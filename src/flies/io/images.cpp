@@ -70,7 +70,8 @@ cv::Mat read_gray(const std::string& path, Notes& notes,
 std::optional<std::string> pattern_note(const cv::Mat& mosaic, BayerPattern pattern) {
   const auto seen = recognise_mosaic(image_of_levels(mosaic).view());
   if (!seen || *seen == greens_of(pattern)) return std::nullopt;
-  return std::string("--bayer: the greens of the images lie elsewhere; they look like ") + patterns_of(*seen);
+  return std::string("--bayer: the green pixels of the images are in other places; they look like ") +
+         patterns_of(*seen);
 }
 
 /// Grey of a mosaic, which some programs save with three equal channels.

@@ -108,7 +108,7 @@ std::optional<std::string> mosaic_note(const RectifiedPair& pair) {
   if (!greens) return std::nullopt;
   return std::string(
              "the images look like the raw mosaic of a colour camera (Bayer), which is matched badly: --bayer ") +
-         patterns_of(*greens) + " makes grey of it";
+         patterns_of(*greens) + " converts it to grey";
 }
 
 }  // namespace flies

@@ -76,8 +76,9 @@ TimedPaths in_order_of_time(const Paths& paths) {
   const auto times_s = times_in_names(paths);
   if (!times_s) {
     const auto odd = std::find_if(paths.begin(), paths.end(), [](const auto& path) { return !times_in_names({path}); });
-    throw InputError(odd == paths.end() ? paths.front() : *odd, "name",
-                     "is no time, expected seconds with a fraction (1698765432.1039), nanoseconds, or date and time");
+    throw InputError(
+        odd == paths.end() ? paths.front() : *odd, "name",
+        "is not a time, expected seconds with a fraction (1698765432.1039), nanoseconds, or date and time");
   }
   std::vector<std::pair<double, std::string>> timed;
   for (std::size_t i = 0; i < paths.size(); ++i) timed.emplace_back((*times_s)[i], paths[i]);
@@ -97,9 +98,9 @@ std::optional<std::string> note_on_skew(const std::vector<double>& skews_s, doub
   const double skew_s = upper_median(skews_s);
   if (std::abs(skew_s) <= kMuch * step_s) return std::nullopt;
   return fmt::format(
-      "by the times in their names right images are {:+.0f} ms after the left ones they are paired with, of {:.0f} ms "
-      "from image to image: what moves is misplaced; if only the clocks differ, --pair-by order pairs the first with "
-      "the first",
+      "by the times in their names, right images are {:+.0f} ms after the left ones they are paired with, while {:.0f} "
+      "ms pass from image to image: moving things are misplaced; if only the clocks differ, --pair-by order pairs the "
+      "first with the first",
       1e3 * skew_s, 1e3 * step_s);
 }
 
@@ -144,10 +145,10 @@ std::optional<MatchedPairs> match_numbers(const Paths& left, const Paths& right)
   auto [found, skews] = match_nearest(*lefts, *rights);
   if (most_pair(found) && std::abs(upper_median(skews)) <= kNear * step) {
     if (!jumps && !found.odd.empty()) return std::nullopt;
-    found.notes.push_back(fmt::format(
-        "images are paired by the numbers in their names, each with the nearest: right ones are {:+.0f} from "
-        "the left ones, of {:.0f} from image to image",
-        upper_median(skews), step));
+    found.notes.push_back(
+        fmt::format("images are paired by the numbers in their names, each with the nearest: the numbers of right "
+                    "images are {:+.0f} from those of left ones, and {:.0f} from image to image",
+                    upper_median(skews), step));
     return found;
   }
   // Where images are lost on the way, the first and the last ones still tell the constant.
@@ -157,8 +158,8 @@ std::optional<MatchedPairs> match_numbers(const Paths& left, const Paths& right)
   found = match_nearest(*lefts, *rights).found;
   if (!most_pair(found)) return std::nullopt;
   found.notes.push_back(
-      fmt::format("images are paired by the numbers in their names, right ones {:+.0f} from the left ones as are the "
-                  "first and the last, because images are lost in between; --pair-by order pairs them in order",
+      fmt::format("images are paired by the numbers in their names, right numbers {:+.0f} from left ones as in the "
+                  "first and the last pair, because images are missing in between; --pair-by order pairs them in order",
                   constant));
   return found;
 }
@@ -186,8 +187,8 @@ std::optional<std::string> note_on_order(const Paths& left, const Paths& right) 
   }
   if (count == 0) return std::nullopt;
   return fmt::format(
-      "images are paired in order though the numbers in {} of {} pairs of names differ ({}): a lost image shifts all "
-      "that follow",
+      "images are paired in order although the numbers in {} of {} pairs of names differ ({}): a missing image shifts "
+      "all that follow",
       count, left.size(), fmt::join(examples, ", "));
 }
 
@@ -199,8 +200,8 @@ std::optional<std::string> note_on_others(const MatchedPairs& ordered, const Mat
   const auto first = std::ranges::find_if(ordered.pairs, differs);
   if (first == ordered.pairs.end() || 2 * pairs.size() < ordered.pairs.size()) return std::nullopt;
   return fmt::format(
-      "images are paired in order, but by their names {} of {} are no pairs, as {} with {}: a lost image shifts all "
-      "that follow; --pair-by auto goes by the names",
+      "images are paired in order, but by their names {} of {} are not pairs, such as {} with {}: a missing image "
+      "shifts all that follow; --pair-by auto goes by the names",
       std::ranges::count_if(ordered.pairs, differs), ordered.pairs.size(), fs::path(first->left).filename().string(),
       fs::path(first->right).filename().string());
 }
@@ -239,12 +240,13 @@ MatchedPairs match_one_folder(const std::string& folder, PairBy by) {
   const auto sides = sides_in_names(detail::images_of(folder));
   if (!sides)
     throw InputError(folder, "",
-                     "is both folders, expected one of left and one of right images, or names that all say which they "
-                     "are (left01 and right01, 01_l and 01_r, cam0_01 and cam1_01, 01_0 and 01_1)");
+                     "is given as both folders, expected one of left and one of right images, or names that all say "
+                     "which they are (left01 and right01, 01_l and 01_r, cam0_01 and cam1_01, 01_0 and 01_1)");
   auto found = match_images(sides->first, sides->second, by, folder + " (left)", folder + " (right)");
   found.notes.insert(
       found.notes.begin(),
-      fmt::format("{}: is both folders: its names say which images are left and which are right", folder));
+      fmt::format("{}: is given as both folders: the names in it say which images are left and which are right",
+                  folder));
   return found;
 }
 

@@ -61,7 +61,7 @@ TEST(CheckPlausible, RefusesAFocalLengthInAnotherUnit) {
 }
 
 TEST(CheckPlausible, NotesPixelsThatAreNotSquare) {
-  EXPECT_THAT(note_of(with(&StereoCamera::fy_px, 360.75)), HasSubstr("2 times that down"));
+  EXPECT_THAT(note_of(with(&StereoCamera::fy_px, 360.75)), HasSubstr("2 times the vertical one"));
 }
 
 TEST(CheckPlausible, TellsAPrincipalPointFarFromTheMiddle) {
@@ -85,7 +85,7 @@ TEST(CheckPlausible, RefusesAPrincipalPointThatIsNormalisedOrCountedFromTheMiddl
   StereoCamera shifted = kCamera;
   shifted.cx_px = shifted.cx_right_px = -11.4;
   shifted.cy_px = -14.6;
-  EXPECT_THAT(note_of(shifted), HasSubstr("counted from their middle?"));
+  EXPECT_THAT(note_of(shifted), HasSubstr("counted from the middle of the image?"));
   EXPECT_THAT(error_of([] {
                 check_camera_matrix({700, 0, 0.5, 0, 700, 0.5, 0, 0, 1}, "calib", "M1");
               }),
@@ -253,7 +253,7 @@ TEST(LoadCalibration, AsksWhetherImagesOfAnUnsizedCameraLieOnTheirSide) {
   CalibrationRequest request;
   request.width_px = 375;
   request.height_px = 1242;
-  EXPECT_THAT(error_of([&] { load_calibration(file, request); }), HasSubstr("lie on their side"));
+  EXPECT_THAT(error_of([&] { load_calibration(file, request); }), HasSubstr("turned by 90 degrees"));
 }
 
 TEST(CheckSizeOfUnsized, RefusesHalfTheSizeAndTakesTheWhole) {
@@ -308,8 +308,14 @@ TEST(CheckCameraMatrix, NamesTheTransposedOne) {
 }
 
 TEST(CheckRotation, RefusesWhatIsNone) {
-  EXPECT_THAT(error_of([] { check_rotation({1, 1, 1, 1, 1, 1, 1, 1, 1}, "calib", "R"); }), HasSubstr("no rotation"));
-  EXPECT_THAT(error_of([] { check_rotation({1, 0, 0, 0, 1, 0, 0, 0, -1}, "calib", "R"); }), HasSubstr("no rotation"));
+  EXPECT_THAT(error_of([] {
+                check_rotation({1, 1, 1, 1, 1, 1, 1, 1, 1}, "calib", "R");
+              }),
+              HasSubstr("not a rotation matrix"));
+  EXPECT_THAT(error_of([] {
+                check_rotation({1, 0, 0, 0, 1, 0, 0, 0, -1}, "calib", "R");
+              }),
+              HasSubstr("not a rotation matrix"));
   EXPECT_EQ(error_of([] { check_rotation({1, 0, 0, 0, 1, 0, 0, 0, 1}, "calib", "R"); }), "no error");
 }
 

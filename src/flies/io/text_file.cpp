@@ -107,7 +107,7 @@ std::string read_bytes(const std::string& path, std::size_t max_bytes) {
     if (std::ferror(file.get()) != 0)
       throw InputError(path, "", fmt::format("cannot be read: {}", std::strerror(errno)));
     if (bytes.size() > max_bytes)
-      throw InputError(path, "", fmt::format("is larger than {} bytes, too large for what it should be", max_bytes));
+      throw InputError(path, "", fmt::format("is larger than {} bytes, too large for a file of this kind", max_bytes));
   }
   return bytes;
 }

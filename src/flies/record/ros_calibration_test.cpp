@@ -165,18 +165,18 @@ TEST(RosCalibration, BaselineOfTheUserStandsInWhereEachCameraWasCalibratedAlone)
   Rig rig;
   rig.right.projection[3] = 0;
   EXPECT_NEAR(rig.read(with_baseline(0.3)).camera.baseline_m, 0.3, 1e-12);
-  EXPECT_THAT([&] { rig.read(); }, ThrowsMessage<InputError>(HasSubstr("say it: --baseline M")));
+  EXPECT_THAT([&] { rig.read(); }, ThrowsMessage<InputError>(HasSubstr("give it with --baseline M")));
 
   rig.with(bend);
   const Calibration raw = rig.read_raw(with_baseline(0.3));
   EXPECT_NEAR(raw.camera.baseline_m, 0.3, 1e-9);
   EXPECT_THAT(texts(raw.notes, {CalibrationNoteKind::doubt}),
-              Contains(HasSubstr("/r/camera_info P says that both cameras stand in one place")));
+              Contains(HasSubstr("/r/camera_info P says that both cameras are in the same place")));
   EXPECT_THAT([&] { rig.read_raw(); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("f: /r/camera_info P: "), HasSubstr("(--baseline M)"))));
   for (const double baseline_m : {-0.3, 0.0, std::numeric_limits<double>::quiet_NaN()})
     EXPECT_THAT([&] { rig.read_raw(with_baseline(baseline_m)); },
-                ThrowsMessage<InputError>(HasSubstr("m was asked for, expected more than 0")));
+                ThrowsMessage<InputError>(HasSubstr("m, expected more than 0")));
 }
 
 TEST(RosCalibration, CamerasThatAreNotCalibratedAreTold) {

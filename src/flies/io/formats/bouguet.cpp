@@ -24,7 +24,7 @@ double metres_per_unit(const std::vector<double>& t, CalibrationNotes& notes) {
   const bool is_millimetres = are_millimetres(t);
   notes.push_back({std::string("T is taken as ") +
                    (is_millimetres ? "millimetres, in which the toolbox asks for the squares of the board" : "metres") +
-                   " (--baseline M says otherwise)"});
+                   " (correct it with --baseline M)"});
   return is_millimetres ? 1e-3 : 1.0;
 }
 

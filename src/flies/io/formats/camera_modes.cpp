@@ -45,11 +45,11 @@ CalibrationNotes notes_on_others(const std::vector<CameraMode>& modes, const std
     factors.push_back(fmt::format("{:.3g}", factor));
   }
   if (others.empty()) return {};
-  return {{fmt::format(
-      "images of {} x {} px are taken as resized from the mode of {} px; if they are of {} instead, ranges "
-      "are {} times those printed: --calib-size W,H says which",
-      request.width_px, request.height_px, size_of(modes[taken]), fmt::join(others, " or "),
-      fmt::join(factors, " or "))}};
+  return {
+      {fmt::format("images of {} x {} px are taken as resized from the mode of {} px; if they come from {} instead, "
+                   "ranges are {} times those printed: choose the mode with --calib-size W,H",
+                   request.width_px, request.height_px, size_of(modes[taken]), fmt::join(others, " or "),
+                   fmt::join(factors, " or "))}};
 }
 
 std::size_t mode_that_is_said(const std::vector<CameraMode>& modes, const CalibrationRequest& request,
@@ -59,7 +59,7 @@ std::size_t mode_that_is_said(const std::vector<CameraMode>& modes, const Calibr
   });
   if (said == modes.end())
     throw InputError(source, "image size",
-                     fmt::format("{} x {} px was said (--calib-size) and is none of the modes of this file: {}",
+                     fmt::format("found {} x {} px in --calib-size, which is none of the modes of this file: {}",
                                  request.calibrated_width_px, request.calibrated_height_px, sizes_of(modes)));
   return static_cast<std::size_t>(said - modes.begin());
 }
@@ -78,8 +78,8 @@ ChosenMode choose_mode(const std::vector<CameraMode>& modes, const CalibrationRe
   if (fitting.empty())
     throw InputError(
         source, "image size",
-        fmt::format("{} x {} px is none of the modes of this file: {}; of images that were resized by other "
-                    "scales across and down, say which: --resized --calib-size W,H",
+        fmt::format("found {} x {} px, which is none of the modes of this file: {}; if the images were resized by "
+                    "different factors horizontally and vertically, choose the mode with --resized --calib-size W,H",
                     request.width_px, request.height_px, sizes_of(modes)));
   const auto taken = *std::ranges::min_element(fitting, {}, [&](std::size_t i) { return divisor(modes[i], request); });
   return {taken, notes_on_others(modes, fitting, taken, request)};

@@ -44,7 +44,7 @@ TEST(ChooseMode, TakesTheOneThatIsSaid) {
   EXPECT_EQ(chosen(for_calibration(for_images(1280, 720), 1920, 1080)), 1U) << "whatever size the images have";
   EXPECT_EQ(chosen(for_calibration({}, 1920, 1080)), 1U);
   EXPECT_THAT(error_of([] { chosen(for_calibration(for_images(960, 540), 1000, 500)); }),
-              HasSubstr("1000 x 500 px was said (--calib-size) and is none of the modes of this file: 1280 x 720, "
+              HasSubstr("found 1000 x 500 px in --calib-size, which is none of the modes of this file: 1280 x 720, "
                         "1920 x 1080, 2208 x 1242"));
 }
 

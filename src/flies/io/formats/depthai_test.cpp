@@ -95,7 +95,7 @@ TEST(DepthAi, WhatTheCameraWasBuiltToStandsInForWhatWasNotMeasured) {
   expect_rectifies(calibration, oak.rig);
   EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("specTranslation, as the camera was built")));
   EXPECT_THAT(error_of([&] { load_calibration(folder.write("c", oak.file(", \"stereoUseSpecTranslation\": false"))); }),
-              HasSubstr("both cameras stand in one place"));
+              HasSubstr("both cameras are in the same place"));
   oak.translation = oak.rig.t;
   oak.built *= 2.0;
   EXPECT_NEAR(load_calibration(folder.write("c", oak.file())).camera.baseline_m, cv::norm(oak.rig.t), 1e-9);

@@ -40,9 +40,9 @@ Calibration read_rectified(const NumberTable& table, Cameras cameras) {
   const std::string key = reprojection_key(cameras), left = rectified_key(cameras[0]),
                     right = rectified_key(cameras[1]);
   if (!table.has(key))
-    throw InputError(
-        table.source, key,
-        "is missing, which rectified images need: --cameras 1,2 are frames, 0,3 events; others only --raw");
+    throw InputError(table.source, key,
+                     "is missing, but rectified images need it: --cameras 1,2 are the frame cameras, 0,3 the event "
+                     "cameras; others work only with --raw");
   const auto& q = table.require(key, 16);
   const auto of_left = matrix_at(table, left), of_right = matrix_at(table, right);
   constexpr double kAlike = 1e-3;
@@ -65,10 +65,11 @@ Calibration read_rectified(const NumberTable& table, Cameras cameras) {
   camera.height_px = size.height_px;
   calibration.left_name = left;
   calibration.right_name = right;
-  calibration.notes.push_back({fmt::format("the images are taken as rectified, those of {} and {} (--raw: they are as "
-                                           "the cameras gave them)",
-                                           left, right),
-                               CalibrationNoteKind::told});
+  calibration.notes.push_back(
+      {fmt::format(
+           "the images are taken as rectified, those of {} and {} (give --raw if they are as the cameras gave them)",
+           left, right),
+       CalibrationNoteKind::told});
   return calibration;
 }
 

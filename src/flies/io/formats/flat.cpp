@@ -38,7 +38,7 @@ std::string word_for_lens(const NumberTable& table) {
 [[noreturn]] void throw_one_camera(const std::string& source, const std::string& key) {
   throw InputError(source, key,
                    "describes one camera: the other one, and R and T between them, are missing (stereoCalibrate gives "
-                   "all in one go); of rectified images --baseline M will do");
+                   "all of them); for rectified images --baseline M is enough");
 }
 
 /// A file that says of one camera below no other key: without what stands below keys that hold cameras of their own.
@@ -78,14 +78,14 @@ Calibration read_flat(const NumberTable& table, const CalibrationRequest& reques
   camera.baseline_m = baseline_of(table, found, request);
   if (!request.right_path.empty())
     throw InputError(request.right_path, "right calibration",
-                     fmt::format("is not used: {} says all of a rectified pair in one file", table.source));
+                     fmt::format("is not used: {} describes a rectified pair completely in one file", table.source));
   const auto size = size_in(own);
   camera.width_px = size.width_px;
   camera.height_px = size.height_px;
   calibration.left_name = calibration.right_name = found.key;
   if (has_lens(table))
     calibration.notes.push_back(
-        {"the images are taken as rectified, and the coefficients of distortion left out: for raw images both cameras "
+        {"the images are taken as rectified, and the distortion coefficients are ignored: for raw images both cameras "
          "must be in the file (OpenCV's M1, D1, M2, D2, R, T)"});
   else if (const auto word = word_for_lens(table); !word.empty())
     calibration.notes.push_back({fmt::format(

@@ -57,11 +57,11 @@ TEST(FlatFormats, NumbersWrittenByHandAreCheckedLikeAllOthers) {
   };
   const std::string camera = "fx: 424.5\ncx: 421.5\n", whole = camera + "cy: 236.25\n";
   EXPECT_THAT(error(whole + "baseline: 49.9\n"), HasSubstr("is it in millimetres (0.0499 m)"));
-  EXPECT_THAT(error(whole), HasSubstr("baseline: is missing: say how far the cameras stand apart (--baseline M)"));
+  EXPECT_THAT(error(whole), HasSubstr("baseline: is missing: give the distance between the cameras (--baseline M)"));
   EXPECT_THAT(error(camera + "baseline: 0.0499\n"), HasSubstr("cy: is missing"));
   EXPECT_THAT(error(whole + "baseline: 0.0499\nwidth: 848\n"), HasSubstr("height: is missing"));
   const auto bent = load_calibration(folder.write("c", whole + "baseline: 0.0499\nk1: -0.3\n"));
-  EXPECT_THAT(texts(bent.notes), Contains(HasSubstr("the coefficients of distortion left out")));
+  EXPECT_THAT(texts(bent.notes), Contains(HasSubstr("the distortion coefficients are ignored")));
 }
 
 TEST(FlatFormats, CoefficientsThatAreLeftOutAreToldWhicheverOfThemIsNot0) {
@@ -72,7 +72,7 @@ TEST(FlatFormats, CoefficientsThatAreLeftOutAreToldWhicheverOfThemIsNot0) {
   };
   for (const char* lens : {"k1: 0\nk2: 0.2\n", "k1: 0\nk2: 0\np1: 0.001\n", "p2: 0.001\n", "k1: 0\nk3: 0.1\n",
                            "k1: 0\ndist: [0.1, 0, 0, 0]\n"})
-    EXPECT_THAT(notes(lens), Contains(HasSubstr("the coefficients of distortion left out"))) << lens;
+    EXPECT_THAT(notes(lens), Contains(HasSubstr("the distortion coefficients are ignored"))) << lens;
   EXPECT_THAT(notes("k1: 0\nk2: 0\np1: 0\np2: 0\nk3: 0\n"), Not(Contains(HasSubstr("distortion"))));
 }
 
@@ -103,7 +103,8 @@ TEST(FlatFormats, TwoCamerasAreReadAsScriptsDumpThem) {
   request.baseline_m = 0.0499;
   expect_small_camera(load_calibration(folder.write("c", sides + "}"), request));
   request.baseline_m = -0.0499;
-  EXPECT_THAT(error_of([&] { load_calibration(folder.write("c", sides + "}"), request); }), HasSubstr("was asked for"));
+  EXPECT_THAT(error_of([&] { load_calibration(folder.write("c", sides + "}"), request); }),
+              HasSubstr("expected more than 0"));
 }
 
 TEST(FlatFormats, ADumpedRotationStandsColumnByColumn) {

@@ -68,7 +68,7 @@ TEST(FoundFormats, OrbSlam2TakesTheBaselineFromBfWhereItIsNotInP) {
   const double bf = rectified(rig).p1.at<double>(0, 0) * cv::norm(rig.t);
   expect_rectifies(load_calibration(folder.write("c", orb_slam2(rig, ": ", bf, false))), rig);
   EXPECT_THAT(texts(load_calibration(folder.write("c", orb_slam2(rig, ": ", 2.0 * bf, true))).notes),
-              Contains(HasSubstr("Camera.bf says a baseline of 0.24")));
+              Contains(HasSubstr("Camera.bf gives a baseline of 0.24")));
   EXPECT_THAT(error_of([&] {
                 load_calibration(
                     folder.write("c", orb_slam2(rig, ": ", bf, true) + "Camera.width: 1280\nCamera.height: 720\n"));
@@ -182,7 +182,7 @@ TEST(FoundFormats, LensesWithoutCoefficientsAreTakenAsFreeOfDistortion) {
       fmt::format("{{\"width\": 640, \"height\": 480, \"left_intrinsics\": {}, \"right_intrinsics\": {}, "
                   "\"rotation_left_to_right\": {}, \"translation_left_to_right\": {}}}",
                   rows(cv::Mat(rig.m1)), rows(cv::Mat(rig.m2)), rows(cv::Mat(rig.r)), list(numbers(cv::Mat(rig.t))))));
-  EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("no coefficients of distortion")));
+  EXPECT_THAT(texts(calibration.notes), Contains(HasSubstr("no distortion coefficients")));
   expect_rectifies(calibration, rig);
 }
 
@@ -299,7 +299,7 @@ TEST(FoundFormats, RawPairsInOnePlaceOrOneAboveTheOtherAreRefusedByTheirNames) {
     return error_of([&] { load_calibration(path, of_raw_images()); });
   };
   to.p2.at<double>(0, 3) = 0.0;
-  EXPECT_THAT(complaint(), HasSubstr("both cameras stand in one place"));
+  EXPECT_THAT(complaint(), HasSubstr("both cameras are in the same place"));
   to.p2.at<double>(1, 3) = -40.0;
   EXPECT_THAT(complaint(), HasSubstr("one above the other"));
 }
@@ -326,7 +326,7 @@ TEST(FoundFormats, BaselineThatIsSaidOverrulesTheFile) {
               HasSubstr("is it in millimetres (0.12 m)"));
   const auto plain = load_calibration(folder.write("c", rectified_mm), request);
   EXPECT_EQ(plain.camera.baseline_m, 0.12);
-  EXPECT_THAT(texts(plain.notes), Contains(HasSubstr("the baseline is 0.12 m as was said, not 120")));
+  EXPECT_THAT(texts(plain.notes), Contains(HasSubstr("the baseline is 0.12 m as given, not 120")));
   const auto raw =
       load_calibration(folder.write("c",
                                     "image_width: 640\nimage_height: 480\nM1: [400, 0, 320, 0, 400, 240, 0, 0, 1]\n"

@@ -209,8 +209,8 @@ std::optional<Lens> lens_at(const std::string& key, const NumberEntry& entry, co
     const std::string word = model_at(key, entry, table);
     if (find_lens(word) != nullptr) return lens_of_model(word, bends_rays(table, place_of(key)), key, table.source);
     if (!is_one_of(name, {"cameratype", "calibrationtype"}))
-      notes.push_back({fmt::format("{}: '{}' is no model of a lens that is known, and taken as a product's name: if it "
-                                   "is a model, say which with distortion_model",
+      notes.push_back({fmt::format("{}: '{}' is not a known lens model, and is taken as a product name: if it is a "
+                                   "model, name it with distortion_model",
                                    key, word),
                        CalibrationNoteKind::told});
     return std::nullopt;

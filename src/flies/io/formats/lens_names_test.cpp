@@ -99,7 +99,7 @@ TEST(NamedLens, TellsWhatMayBeAProductOrAModel) {
     named_lens(parse_number_table(text, "calib"), notes);
     return texts(notes, {CalibrationNoteKind::told});
   };
-  EXPECT_THAT(told("camera_model: bent"), ElementsAre(HasSubstr("camera_model: 'bent' is no model of a lens")));
+  EXPECT_THAT(told("camera_model: bent"), ElementsAre(HasSubstr("camera_model: 'bent' is not a known lens model")));
   EXPECT_THAT(told("camera_model: pinhole\ncamera_type: stereo\nmodel: radtan"), IsEmpty());
 }
 

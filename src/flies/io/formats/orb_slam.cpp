@@ -37,8 +37,8 @@ double baseline_of(const NumberTable& table, double fx_px, const CalibrationRequ
   const double b_m = table.require_number("Stereo.b");
   if (std::abs(by_bf_m - b_m) > kRounding * std::abs(b_m))
     notes.push_back(
-        {fmt::format("Camera.bf says a baseline of {:.4g} m, Stereo.b one of {:.4g} m, which is taken: is "
-                     "one of them of another camera, or of images of another size?",
+        {fmt::format("Camera.bf gives a baseline of {:.4g} m, Stereo.b one of {:.4g} m, which is used: is one of them "
+                     "of another camera, or of images of another size?",
                      by_bf_m, b_m)});
   return b_m;
 }
@@ -94,7 +94,7 @@ void check_baselines(const NumberTable& table, const RectifiedView& left, Rectif
   constexpr double kRounding = 0.02;
   if (std::abs(by_bf_m - by_p_m) > kRounding * std::abs(by_p_m))
     notes.push_back(
-        {fmt::format("Camera.bf says a baseline of {:.4g} m, LEFT.P and RIGHT.P one of {:.4g} m, which is taken: are "
+        {fmt::format("Camera.bf gives a baseline of {:.4g} m, LEFT.P and RIGHT.P one of {:.4g} m, which is used: are "
                      "they of another camera?",
                      by_bf_m, by_p_m)});
 }

@@ -126,8 +126,8 @@ std::string check_turn(const std::array<double, 9>& right_from_left, const std::
   const double found_deg = angle_deg(right_from_left);
   if (found_deg <= kProbable_deg) return "";
   const auto found = fmt::format(
-      "turns the right camera by {:.3g} degrees against the left one: is it in degrees where radians are "
-      "expected, or the pose of other frames?",
+      "turns the right camera by {:.3g} degrees against the left one: is it in degrees where radians are expected, or "
+      "the pose between other frames?",
       found_deg);
   if (right_from_left[8] <= 0.0) throw InputError(source, key, found);  // one looks away from what the other sees
   return key + " " + found;

@@ -237,7 +237,7 @@ TEST(OpenCvNames, MaySayThatLensesAreFisheyes) {
   };
   expect_rectifies(load_calibration(folder.write("c", text("D_LEFT_FE", "D_RIGHT_FE"))), rig);
   EXPECT_THAT(error_of([&] { load_calibration(folder.write("c", text("Dist_of_A", "Dist_of_B"))); }),
-              HasSubstr("Dist_of_A: found 4 numbers: are they coefficients of distortion?"));
+              HasSubstr("Dist_of_A: found 4 numbers: are they distortion coefficients?"));
 }
 
 TEST(OpenCvNames, CountedFromZeroAreNotThoseOfKitti) {

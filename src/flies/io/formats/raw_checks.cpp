@@ -67,8 +67,9 @@ void check_raw_pair(const RawPair& pair, const std::string& source) {
   check_camera_matrix(right.matrix, source, pair.right_key);
   check_rotation(pair.stereo.rotation, source, pair.pose_key);
   if (std::ranges::all_of(pair.stereo.translation_m, [](double t) { return t == 0.0; }))
-    throw InputError(source, "baseline",
-                     fmt::format("found 0 m: both cameras stand in one place ({}, {})", pair.left_key, pair.right_key));
+    throw InputError(
+        source, "baseline",
+        fmt::format("found 0 m: both cameras are in the same place ({}, {})", pair.left_key, pair.right_key));
   check_distortion(left, pair.left_distortion(), source);
   check_distortion(right, pair.right_distortion(), source);
   if (left.lens != right.lens)
@@ -111,9 +112,9 @@ std::string note_on_fold(const RawCamera& camera, const std::string& key, int wi
   const auto at = fold(camera.distortion, kWithin * corner);
   if (!at) return {};
   return fmt::format(
-      "{}: by its coefficients of distortion nothing is seen more than {:.0f} px from the principal point, and images "
-      "of {} x {} px reach {:.0f} px: no lens bends rays back like that; are they in another order than k1 k2 p1 p2 "
-      "k3, of another model, or from a calibration of too few views?",
+      "{}: with its distortion coefficients nothing is seen more than {:.0f} px from the principal point, but images "
+      "of {} x {} px reach {:.0f} px: no lens bends rays back like that; are the coefficients in another order than k1 "
+      "k2 p1 p2 k3, of another model, or from a calibration with too few views?",
       key, *at * m[0], width_px, height_px, corner * m[0]);
 }
 
@@ -123,8 +124,8 @@ std::string note_on_skew(const RawCamera& camera, const std::string& key) {
   if (std::abs(skew) <= kLeast * camera.matrix[0]) return {};
   if (camera.lens != Lens::brown && camera.lens != Lens::equidistant) return {};  // whose equations here have it
   return fmt::format(
-      "{}: its skew of {:.4g} px is left out, as OpenCV's models have none: calibrate without (MATLAB: EstimateSkew "
-      "false)",
+      "{}: its skew of {:.4g} px is ignored, as OpenCV's models have none: calibrate without skew (MATLAB: "
+      "EstimateSkew false)",
       key, skew);
 }
 

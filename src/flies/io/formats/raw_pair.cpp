@@ -59,10 +59,11 @@ ImageSize size_of_unsized_pair(const RawStereo& raw, const CalibrationRequest& r
                                CalibrationNotes& notes) {
   if (request.calibrated_width_px > 0) return {request.calibrated_width_px, request.calibrated_height_px};
   if (request.images_are_resized)
-    throw InputError(source, "image size", "is not in the file: say what the images were resized from (--calib-size)");
+    throw InputError(source, "image size",
+                     "is not in the file: give the size that the images were resized from (--calib-size W,H)");
   if (request.width_px == 0 || request.height_px == 0)
     throw InputError(source, "image_width, image_height",
-                     "are missing, and rectifying needs the size of the images: say it (--size W,H)");
+                     "are missing, but rectifying needs the size of the images: give it with --size W,H");
   const StereoCamera left = rectified_of(raw.left, raw);
   if (const auto deduced = size_of_unsized(left, request.width_px, request.height_px)) {
     notes.push_back({note_on_deduced_size(left.cx_px, left.cy_px, (*deduced)[0], (*deduced)[1])});
@@ -139,13 +140,13 @@ std::string cause_of_failure(const RawPair& pair) {
   const double apart_m = std::hypot(raw.translation_m[0], raw.translation_m[1], raw.translation_m[2]);
   if (std::max(left_px, right_px) > kAlike * std::min(left_px, right_px))
     return fmt::format(
-        "the focal lengths of {} and {} are {:.6g} and {:.6g} px, expected much the same: are the numbers of one those "
-        "of images of another size?",
+        "the focal lengths of {} and {} are {:.6g} and {:.6g} px, expected nearly the same: is one of them for images "
+        "of another size?",
         pair.left_key, pair.right_key, left_px, right_px);
   if (apart_m < kLeastBaseline_m)
     return fmt::format(
-        "the cameras stand {:.4g} m apart ({}): is the unit of the translation, or of one of its numbers, another?",
-        apart_m, pair.pose_key);
+        "the cameras stand {:.4g} m apart ({}): is the translation, or one of its numbers, in another unit?", apart_m,
+        pair.pose_key);
   return {};
 }
 
@@ -188,8 +189,9 @@ Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request
   constexpr double kRounding = 1.01;
   if (share < kRounding * kWidestRectified)
     calibration.notes.push_back(
-        {fmt::format("the lenses see farther to the side than a rectified image can show, of which {:.0f} degrees stay",
-                     2.0 * std::atan(0.5 / share) * 180.0 / std::numbers::pi),
+        {fmt::format(
+             "the lenses see farther to the side than a rectified image can show: {:.0f} degrees of their view remain",
+             2.0 * std::atan(0.5 / share) * 180.0 / std::numbers::pi),
          CalibrationNoteKind::told});
   calibration.notes.push_back(
       {fmt::format("the images are taken as raw and rectified first, with the {} model", lens_name(raw.left.lens)),

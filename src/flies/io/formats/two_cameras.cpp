@@ -155,7 +155,7 @@ Pose stereo_transform(const NumberTable& table, const std::string& key, Calibrat
   const bool is_millimetres = are_millimetres(left_from_right.translation);
   const auto unit = unit_of(table, key);
   if (!unit && is_millimetres)
-    notes.push_back({key + " is taken as millimetres, as the ZED SDK has them (--baseline M says otherwise)"});
+    notes.push_back({key + " is taken as millimetres, as in the ZED SDK (correct it with --baseline M)"});
   return inverse(scaled(left_from_right, unit.value_or(is_millimetres ? 1e-3 : 1.0)));
 }
 

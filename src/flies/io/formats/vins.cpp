@@ -67,13 +67,14 @@ ImageSize size_of(const NumberTable& table, const NumberTable& configuration) {
 Calibration read_vins(const NumberTable& table, const CalibrationRequest& request) {
   if (!table.has("body_T_cam0") || !table.has("body_T_cam1"))
     throw InputError(table.source, "body_T_cam0, body_T_cam1",
-                     "are missing: this file describes one camera without its place; give the configuration that names "
-                     "the files of both");
+                     "are missing: this file describes one camera without its pose; give the configuration file that "
+                     "names the files of both cameras");
   const NumberTable left = camera_table(table, "cam0"), right = camera_table(table, "cam1");
   RawPair pair{{}, left.source, right.source, "body_T_cam1"};
   if (left.source == right.source) {
     pair.left_key = pair.right_key = "projection_parameters";
-    pair.notes.push_back({"both cameras have the lens that the file describes once", CalibrationNoteKind::told});
+    pair.notes.push_back(
+        {"the file describes one lens, which both cameras are taken to have", CalibrationNoteKind::told});
   }
   pair.stereo.left = read_camera(left);
   pair.stereo.right = read_camera(right);
