@@ -97,20 +97,21 @@ bool is_explained(const PairDiagnosis& d) { return has_few_matched(d) || is_swap
 std::optional<std::string> told_places(const PairDiagnosis& d) {
   if (has_few_matched(d))
     return fmt::format(
-        "only {:.0f} % of the places of the left image are found on their row of the right one (32 % and more in good "
-        "pairs): check that the calibration is of these cameras and these images (rectified or raw, R there and not "
-        "transposed), and that both were taken at the same moment (neither camera late, nor hanging)",
+        "only {:.0f} % of the places in the left image are found on the same row of the right one (32 % or more in "
+        "good pairs): check that the calibration belongs to these cameras and these images (rectified or raw, R "
+        "present and not transposed), and that both images were taken at the same moment (neither camera late or "
+        "hanging)",
         100.0 * d.matched_share());
   if (is_swapped(d))
     return fmt::format(
-        "{:.0f} % of the places that are found would lie beyond infinity: are left and right swapped, or both images "
-        "mirrored or turned by 180 degrees?",
+        "{:.0f} % of the places that are found would lie beyond infinity (negative disparity): are left and right "
+        "swapped, or both images mirrored or turned by 180 degrees?",
         100.0 * d.beyond_share());
   if (d.evidence.beyond < kMinSomeBeyond || d.beyond_share() <= kSomeBeyond) return std::nullopt;
   return fmt::format(
-      "{:.0f} % of the places that are found would lie beyond infinity: the cameras look towards each other "
-      "or a principal point is wrong, so ranges are too; check cx of both cameras, whether the calibration is of raw "
-      "or of rectified images, and that both were taken at the same moment",
+      "{:.0f} % of the places that are found would lie beyond infinity (negative disparity): the cameras look towards "
+      "each other or a principal point is wrong, and so are all ranges; check cx of both cameras, whether the "
+      "calibration is for raw or for rectified images, and that both images were taken at the same moment",
       100.0 * d.beyond_share());
 }
 
@@ -120,13 +121,13 @@ std::string told_growth(const RowError& rows, bool is_certain) {
           ? ""
           : fmt::format(", and its rows lie {:+.1f} px lower in the middle, {:+.1f} and {:+.1f} px at the sides",
                         rows.offset_px, rows.at(0.0), rows.at(2.0 * rows.middle_u_px));
-  return fmt::format(
-      "the right image is {:.1f} % {} than the left one{}: {}", 100.0 * std::abs(rows.growth),
-      rows.growth > 0.0 ? "larger" : "smaller", lower,
-      is_certain ? "focal lengths are not those of the calibration (a zoom, another resize of one image), so "
-                   "ranges are off, and moving rows does not mend that; calibrate again"
-                 : "which a late image, raw images with the calibration of rectified ones, R that is transposed "
-                   "or left out, and a zoom of one camera all do");
+  return fmt::format("the right image is {:.1f} % {} than the left one{}: {}", 100.0 * std::abs(rows.growth),
+                     rows.growth > 0.0 ? "larger" : "smaller", lower,
+                     is_certain
+                         ? "the focal lengths are not those of the calibration (a zoom, or one image was resized "
+                           "differently), so ranges are wrong, and moving rows does not correct that; calibrate again"
+                         : "possible causes are a late image, raw images with the calibration of rectified ones, an R "
+                           "that is transposed or left out, and a zoom of one camera");
 }
 
 std::string told_offset(const RowError& rows) {
@@ -135,8 +136,8 @@ std::string told_offset(const RowError& rows) {
       "at the sides: {}",
       rows.offset_px, rows.at(0.0), rows.at(2.0 * rows.middle_u_px),
       can_be_made_up_for(rows)
-          ? "the pair is not quite rectified (the rig was bent or the calibration is another's); --self-rectify on "
-            "makes up for it"
+          ? "the pair is not quite rectified (the rig was bent, or the calibration is of another rig); --self-rectify "
+            "on corrects it"
           : "the pair is not rectified; check that the calibration is of these cameras and says whether these images "
             "are raw or rectified");
 }
@@ -144,18 +145,18 @@ std::string told_offset(const RowError& rows) {
 std::optional<std::string> told_rows(const PairDiagnosis& d) {
   if (!d.rows_agree())
     return fmt::format(
-        "rows of left and right do not lie apart by the same in all pairs, but by {:.1f} px more in some than "
-        "in others, so that no correction serves all: {}",
+        "the offset between the rows of left and right changes from pair to pair, by up to {:.1f} px, so that no "
+        "single correction fits all: {}",
         d.rows_spread_px,
-        has_few_matched(d) ? "images of different moments do that, and a camera that is loose"
+        has_few_matched(d) ? "likely causes are images taken at different moments, or a loose camera"
                            : "was a camera knocked, is one loose, or is one late or hanging in some pairs?");
   if (!d.rows) return std::nullopt;
   if (d.rows->growth != 0.0) return told_growth(*d.rows, is_one_moment(d));
   if (d.rows->typical_px() >= kRowErrorMatters_px) return told_offset(*d.rows);
   if (d.rows->scatter_px < kScatterMatters_px) return std::nullopt;
   return fmt::format(
-      "rows of left and right lie apart by {:.1f} px here and there: focal lengths or distortion of one "
-      "camera are not those of the calibration",
+      "rows of left and right lie {:.1f} px apart in parts of the image: focal length or distortion of one camera is "
+      "not that of the calibration",
       d.rows->scatter_px);
 }
 
@@ -169,8 +170,9 @@ std::optional<std::string> told_combing(const PairDiagnosis& d) {
   const bool left = d.left_steps.is_combed(), right = d.right_steps.is_combed();
   if (!left && !right) return std::nullopt;
   return fmt::format(
-      "every other row of {} is of another moment than the rows between: interlaced video, in which what moves is "
-      "matched badly; keep one field alone (every other row) of both images and give --resized, or deinterlace them",
+      "every other row of {} was taken at another moment than the rows between: this is interlaced video, in which "
+      "moving things are matched badly; keep only one field (every other row) of both images and give --resized, or "
+      "deinterlace them",
       left && right ? "both images"
       : left        ? "the left image"
                     : "the right image");
@@ -291,8 +293,8 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
   }
   if (d.is_flat()) {
     found.push_back(
-        "all that is found in both images lies at infinity: are they one picture twice, or of one camera, or is "
-        "everything that far away?");
+        "everything that is found in both images lies at infinity: are they the same picture twice, or both of one "
+        "camera, or is everything that far away?");
     return found;
   }
   const auto add = [&](std::optional<std::string> complaint) {
@@ -304,11 +306,11 @@ std::vector<std::string> complaints(const PairDiagnosis& d) {
   if (!is_swapped(d)) add(told_rows(d));
   if (!are_places_graver) add(told_places(d));
   if (d.nearer_above.value_or(0.0) > kNearerAbove && !d.road_found && d.can_be_trusted())
-    found.push_back(fmt::format(
-        "places in the upper third of the images are {:.1f} times as near as those in the lower one: are these tree "
-        "tops, a ceiling or a bridge, and the ground far below? Else the images stand on their heads: turn both by 180 "
-        "degrees and give the right one as the left",
-        *d.nearer_above));
+    found.push_back(
+        fmt::format("places in the upper third of the images are {:.1f} times as near as those in the lower third: are "
+                    "these tree tops, a ceiling or a bridge, and the ground far below? If not, the images are upside "
+                    "down: turn both by 180 degrees and give the right one as the left",
+                    *d.nearer_above));
   if (!d.road_found && !is_explained(d))
     found.push_back(
         "no road was found where the mount of the camera says it is: heights and obstacles may be wrong; check "

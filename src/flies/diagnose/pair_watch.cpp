@@ -29,17 +29,18 @@ constexpr Words kWords[kPairTroubles] = {
      "nothing to match in the right image"},
     {"left and right seem to be swapped", "left and right swapped"},
     {"hardly any place of the left image is found on the same row of the right one: were they taken at different "
-     "moments, or of other scenes?",
-     "images that hardly belong together"},
-    {"the left image is that of the pair before to the bit, and the right one is not: does the left camera hang?",
-     "the left image of the pair before"},
-    {"the right image is that of the pair before to the bit, and the left one is not: does the right camera hang?",
-     "the right image of the pair before"},
-    {"both images are those of the pair before to the bit: do the cameras hang, or are pairs repeated?",
-     "both images of the pair before"},
-    {"something stands nearer than is looked at: it is not reported, or farther away than it is, and the directions "
-     "of the scan are unknown there (--field.x_min_m and --scan.x_min_m say from where on",
-     "something nearer than is looked at"},
+     "moments, or of different scenes?",
+     "images that do not seem to belong together"},
+    {"the left image is identical to that of the previous pair, while the right one is not: does the left camera hang?",
+     "the left image is that of the previous pair"},
+    {"the right image is identical to that of the previous pair, while the left one is not: does the right camera "
+     "hang?",
+     "the right image is that of the previous pair"},
+    {"both images are identical to those of the previous pair: do the cameras hang, or are pairs repeated?",
+     "both images are those of the previous pair"},
+    {"something stands nearer than where the search begins: it is missed, or reported farther away than it is, and the "
+     "scan is unknown in its directions (--field.x_min_m and --scan.x_min_m set where the search begins",
+     "something nearer than where the search begins"},
 };
 
 /// What is told of it the first time.

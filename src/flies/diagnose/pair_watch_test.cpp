@@ -88,7 +88,7 @@ TEST(PairWatch, TellsWhichImageRepeats) {
   EXPECT_THAT(look(of_left, right_alone), ElementsAre(HasSubstr("does the left camera hang")));
   look(of_both, first);
   EXPECT_THAT(look(of_both, first), ElementsAre(HasSubstr("both images are those of the pair before")));
-  EXPECT_THAT(of_both.counts(), ElementsAre(HasSubstr("1 of 2 pairs: both images of the pair before")));
+  EXPECT_THAT(of_both.counts(), ElementsAre(HasSubstr("1 of 2 pairs: both images are those of the previous pair")));
 }
 
 TEST(PairWatch, TellsWhatIsNearerThanIsLookedAt) {
@@ -99,13 +99,13 @@ TEST(PairWatch, TellsWhatIsNearerThanIsLookedAt) {
   const double range_m = high.fx_px * high.baseline_m / 10.0;
   EXPECT_THAT(watch.look(pair.view(), high, "one", {0.7 * range_m}), IsEmpty());
   EXPECT_THAT(watch.look(pair.view(), high, "two", {1.5 * range_m}),
-              Contains(HasSubstr("two: something stands nearer than is looked at")));
-  EXPECT_THAT(watch.counts(), Contains("1 of 2 pairs: something nearer than is looked at; the first: two"));
+              Contains(HasSubstr("two: something stands nearer than where the search begins")));
+  EXPECT_THAT(watch.counts(), Contains("1 of 2 pairs: something nearer than where the search begins; the first: two"));
   EXPECT_TRUE(note_on_near_things(pair.view(), high, {1.5 * range_m}).has_value());
   EXPECT_FALSE(note_on_near_things(pair.view(), high, {0.7 * range_m}).has_value());
   EXPECT_THAT(*note_on_near_things(pair.view(), high, {1.5 * range_m, "default"}), HasSubstr("--preset robot is for"));
   EXPECT_THAT(*note_on_near_things(pair.view(), high, {1.5 * range_m, "robot"}),
-              AllOf(HasSubstr("say from where on)"), Not(HasSubstr("--preset"))));
+              AllOf(HasSubstr("set where the search begins)"), Not(HasSubstr("--preset"))));
   high.mount.height_m = 1.5;  // the road is as near where it is seen
   EXPECT_FALSE(note_on_near_things(pair.view(), high, {1.5 * range_m}).has_value());
 }

@@ -33,11 +33,12 @@ std::string note_on_shift(const DisparityShift& shift, std::size_t pairs, const 
   if (std::abs(shift.px) < told_px(pairs) || std::abs(shift.px) < kSure * shift.deviation_px) return {};
   const double scale_px_m = camera.fx_px * camera.baseline_m;
   const double said_m = example_m(scale_px_m, shift.px), true_px = scale_px_m / said_m + shift.px;
-  const auto truth = true_px > 0.0 ? fmt::format("is at {:.1f} m", scale_px_m / true_px) : "is far beyond that";
+  const auto truth =
+      true_px > 0.0 ? fmt::format("is really at {:.1f} m", scale_px_m / true_px) : "is really far beyond that";
   return fmt::format(
-      "by how corners move from pair to pair, all disparities are {:.1f} px too {} ({} pairs, which differ by {:.1f} "
-      "px): the cameras are turned against each other, or a principal point is wrong; what is said to be at {:g} m {}. "
-      "Calibrate again; cx of the right camera would be {:.1f} if all else is right",
+      "judged by how corners move from pair to pair, all disparities are {:.1f} px too {} ({} pairs, which differ by "
+      "{:.1f} px): the cameras are turned against each other, or a principal point is wrong; what is reported at {:g} "
+      "m {}. Calibrate again; cx of the right camera should be {:.1f} if everything else is right",
       std::abs(shift.px), shift.px > 0.0 ? "small" : "large", pairs, shift.deviation_px, said_m, truth,
       camera.cx_right_px + shift.px);
 }

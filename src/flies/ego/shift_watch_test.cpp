@@ -38,8 +38,8 @@ TEST(DisparityShiftWatch, TellsTheMedianOnceWhenItIsSure) {
   EXPECT_NEAR(watch.shift()->px, -5.0, 0.21);
   const std::string note = watch.first_note(camera());
   EXPECT_THAT(note, HasSubstr("all disparities are 5.0 px too large (10 pairs"));
-  EXPECT_THAT(note, HasSubstr("what is said to be at 20 m is at 28.0 m"));
-  EXPECT_THAT(note, HasSubstr("cx of the right camera would be 595.0"));
+  EXPECT_THAT(note, HasSubstr("what is reported at 20 m is really at 28.0 m"));
+  EXPECT_THAT(note, HasSubstr("cx of the right camera should be 595.0"));
   watch.look(with_shift(-5.0));
   EXPECT_THAT(watch.first_note(camera()), IsEmpty());
 }
@@ -67,9 +67,9 @@ TEST(DisparityShiftWatch, ForgetsWhatIsLongAgo) {
 }
 
 TEST(NoteOnShift, NamesARangeThatIsFiniteInTruth) {
-  EXPECT_THAT(note_on_shift({-16.0, 0.5}, 12, camera()), HasSubstr("said to be at 10 m is at 18.4 m"));
-  EXPECT_THAT(note_on_shift({-60.0, 0.5}, 12, camera()), HasSubstr("said to be at 2 m is at 3.0 m"));
-  EXPECT_THAT(note_on_shift({-600.0, 0.5}, 12, camera()), HasSubstr("said to be at 1 m is far beyond that"));
+  EXPECT_THAT(note_on_shift({-16.0, 0.5}, 12, camera()), HasSubstr("reported at 10 m is really at 18.4 m"));
+  EXPECT_THAT(note_on_shift({-60.0, 0.5}, 12, camera()), HasSubstr("reported at 2 m is really at 3.0 m"));
+  EXPECT_THAT(note_on_shift({-600.0, 0.5}, 12, camera()), HasSubstr("reported at 1 m is really far beyond that"));
 }
 
 }  // namespace

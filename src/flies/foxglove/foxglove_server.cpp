@@ -199,10 +199,11 @@ FoxgloveServer::FoxgloveServer(const std::string& address, int port, std::vector
   if (address_error) throw InputError(place, "", "is no IP address");
   state_->server.listen(websocketpp::lib::asio::ip::tcp::endpoint(ip, static_cast<std::uint16_t>(port)), error);
   if (error)
-    throw InputError(place, "", "cannot be listened at; does another program, or is it no address of this machine?");
+    throw InputError(place, "",
+                     "cannot be listened on: does another program use it, or is it not an address of this machine?");
   state_->port = state_->server.get_local_endpoint(address_error).port();
   state_->server.start_accept(error);
-  if (error) throw InputError(place, "", "cannot be listened at: " + error.message());
+  if (error) throw InputError(place, "", "cannot be listened on: " + error.message());
   state_->thread = std::thread([state = state_.get()] { state->run(); });
 }
 

@@ -59,7 +59,7 @@ void drop_poor_views(RigReport& report) {
     const bool is_blurred = blur_px > kBlur_px && blur_px > kBlurRatio * usual_px;
     if (is_blurred)
       report.dropped.push_back(
-          {pair.name, fmt::format("blurred: edges are {:.1f} px wide, usual are {:.1f}", blur_px, usual_px)});
+          {pair.name, fmt::format("blurred: edges are {:.1f} px wide, usually {:.1f} px", blur_px, usual_px)});
     return is_blurred;
   });
   require_views(report, "sharp views are");
@@ -85,12 +85,10 @@ void solve(const BoardTools& tools, const Board& board, int width_px, int height
     others.erase(others.begin() + (worst - views.begin()));
     auto solution = solved(others);
     if (solution.rms_px > kBetter * report.solution.rms_px) return;
-    report.dropped.push_back(
-        {report.used[static_cast<std::size_t>(worst - views.begin())].name,
-         fmt::format(
-             "does not fit the others, whose corners are {:.2f} px off with it and {:.2f} px without it; did the "
-             "two cameras look at the same time?",
-             report.solution.rms_px, solution.rms_px)});
+    report.dropped.push_back({report.used[static_cast<std::size_t>(worst - views.begin())].name,
+                              fmt::format("does not fit the others, whose corners are {:.2f} px off with it and {:.2f} "
+                                          "px without it; did both cameras take it at the same moment?",
+                                          report.solution.rms_px, solution.rms_px)});
     report.used = std::move(others);
     report.solution = std::move(solution);
   }

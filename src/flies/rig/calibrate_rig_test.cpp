@@ -177,7 +177,7 @@ TEST(MissingViews, NamesPartsOfTheImagesTiltsAndDistances) {
     pairs.push_back(pair);
   }
   EXPECT_THAT(missing_views(pairs, solution),
-              ElementsAre("hold the board where the left image shows: top left, left, bottom left",
+              ElementsAre("hold the board in these parts of the left image: top left, left, bottom left",
                           "turn the board's left or right side away by 30 degrees; 10 is the most so far",
                           "hold the board nearer and farther away: all views are 0.60 to 0.65 m away"));
   for (auto& view : solution.views) view.tilt_across_deg = -20.0;

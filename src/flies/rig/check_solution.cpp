@@ -56,8 +56,8 @@ std::string at_ten_metres(const RigSolution& solution) {
     throw InputError(kSource, "images", turned);
   throw InputError(kSource, "error",
                    fmt::format("corners are {:.2f} px off on average with both cameras together, {:.2f} px with each "
-                               "alone: left and right images do not belong together; are they of one moment, in the "
-                               "same order, and did the board keep still?",
+                               "alone: left and right images do not belong together; were they taken at the same "
+                               "moment, are they in the same order, and was the board held still?",
                                solution.rms_px, solution.alone_rms_px));
 }
 
@@ -70,8 +70,9 @@ void require_fit(const BoardTools& tools, const Board& board, const std::vector<
       kSource, "error",
       fmt::format("corners are {:.2f} px off on average, with one camera alone {:.2f} px, expected less than {}: {}",
                   solution.rms_px, solution.alone_rms_px, kMostError_px,
-                  is_other_board ? "the board has another layout or other counts than --kind and --board say"
-                                 : "is the board flat, printed as high as wide, are --marker and --lens right?"));
+                  is_other_board
+                      ? "the board has another layout or other counts than --kind and --board say"
+                      : "is the board flat and printed without distortion, and are --marker and --lens right?"));
 }
 
 void require_side_by_side(const RawStereo& raw) {
@@ -85,14 +86,13 @@ void require_side_by_side(const RawStereo& raw) {
   if (roll > kMostRoll_rad)
     throw InputError(
         kSource, "images",
-        fmt::format("right ones are turned by {:.0f} degrees against left ones: turn them as they are seen",
-                    degrees(roll)));
+        fmt::format("right ones are turned by {:.0f} degrees against left ones: turn them all upright", degrees(roll)));
   if (std::abs(centre_m[1]) > std::abs(centre_m[0]))
-    throw InputError(kSource, "baseline",
-                     fmt::format("the right camera stands {:.3f} m {} the left one and {:.3f} m beside it: cameras one "
-                                 "above the other are not supported; of cameras on their sides turn the images by 90 "
-                                 "degrees",
-                                 std::abs(centre_m[1]), centre_m[1] > 0.0 ? "below" : "above", std::abs(centre_m[0])));
+    throw InputError(
+        kSource, "baseline",
+        fmt::format("the right camera stands {:.3f} m {} the left one and {:.3f} m beside it: cameras one above the "
+                    "other are not supported; if the cameras lie on their sides, turn the images by 90 degrees",
+                    std::abs(centre_m[1]), centre_m[1] > 0.0 ? "below" : "above", std::abs(centre_m[0])));
   if (std::abs(centre_m[2]) > std::abs(centre_m[0]))
     throw InputError(
         kSource, "baseline",
@@ -115,13 +115,13 @@ void check_moment(const RigSolution& solution, std::vector<std::string>& notes) 
         solution.rms_px, solution.alone_rms_px, solution.row_px, at_ten_metres(solution));
   };
   if (apart > kMostApart && solution.rms_px > kMostApart_px)
-    throw InputError(kSource, "error", sentence() + "; hold the board still, or fix it and take the pairs anew");
+    throw InputError(kSource, "error", sentence() + "; hold the board still, or fix it, and take the pairs again");
   if (apart > kNotedApart && solution.rms_px > kNotedApart_px) {
     notes.push_back(sentence());
   } else if (solution.rms_px > kNotedError_px) {
     notes.push_back(
-        fmt::format("corners are {:.2f} px off, of good sets 0.1 to {}: is the board flat, were images "
-                    "blurred, did it move between left and right? Ranges may be wrong by {}",
+        fmt::format("corners are {:.2f} px off (0.1 to {} in good sets): is the board flat, were images blurred, did "
+                    "the board move between left and right? Ranges may be wrong by {}",
                     solution.rms_px, kNotedError_px, at_ten_metres(solution)));
   }
 }
@@ -138,15 +138,15 @@ void check_focal_length(const RigSolution& solution, std::vector<std::string>& n
   const auto known = fmt::format("known to {:.1f} % only", 100.0 * solution.focal_deviation);
   constexpr double kEnough_deg = 15.0;
   const double lean_deg = most_lean_deg(solution);
-  const auto lean = lean_deg < kEnough_deg ? fmt::format("the board leaned by {:.0f} degrees at most", lean_deg)
+  const auto lean = lean_deg < kEnough_deg ? fmt::format("the board was tilted by {:.0f} degrees at most", lean_deg)
                                            : std::string("the views are too much alike");
   if (solution.focal_deviation > kMostDeviation)
     throw InputError(kSource, "focal length",
-                     fmt::format("is {}, expected {} %, and all ranges with it: {}; hold it aslant, not only straight "
-                                 "before the cameras",
+                     fmt::format("is {}, expected {} %, and so are all ranges: {}; tilt the board, do not only hold it "
+                                 "straight before the cameras",
                                  known, 100.0 * kMostDeviation, lean));
   notes.push_back(
-      fmt::format("the focal length is {}, and all ranges may be as wrong: {}; more views with the board aslant help",
+      fmt::format("the focal length is {}, and all ranges may be as wrong: {}; take more views with the board tilted",
                   known, lean));
 }
 

@@ -116,7 +116,7 @@ TEST(CheckSolution, RefusesBoardsThatNeverLeanHoweverSharp) {
     for (auto& held : scene.views) held.turn = {share * held.turn[0], share * held.turn[1], held.turn[2]};
   };
   lean(0.03);
-  EXPECT_THAT(refusal(scene.pairs()), AllOf(HasSubstr("focal length: is known to"), HasSubstr("leaned by 1 degrees")));
+  EXPECT_THAT(refusal(scene.pairs()), AllOf(HasSubstr("focal length: is known to"), HasSubstr("tilted by 1 degrees")));
   lean(0.25);
   EXPECT_THAT(checked(scene.pairs()), ElementsAre(HasSubstr("all ranges may be as wrong")));
 }

@@ -39,7 +39,7 @@ std::vector<std::string> missing_views(const std::vector<BoardPair>& pairs, cons
       for (int column = 0; column < Coverage::kColumns; ++column)
         if (!coverage.covers(column, row)) parts.emplace_back(kParts[row * Coverage::kColumns + column]);
     if (!parts.empty())
-      missing.push_back(fmt::format("hold the board where the {} image shows: {}", is_right ? "right" : "left",
+      missing.push_back(fmt::format("hold the board in these parts of the {} image: {}", is_right ? "right" : "left",
                                     fmt::join(parts, ", ")));
   }
   double across_deg = 0.0, down_deg = 0.0, nearest_m = 1e9, farthest_m = 0.0;

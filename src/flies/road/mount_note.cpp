@@ -34,9 +34,9 @@ std::optional<std::string> doubt_on_offset(const MountFinding& finding) {
   const double farthest_m = finding.scale_px_m / farthest_px;
   if (farthest_m < kRoom_m) return std::nullopt;
   return fmt::format(
-      "hardly anything is seen farther away than {:.0f} m, and the road rises by as much as where the camera looks "
-      "{:.1f} degrees farther down: is the view closed there? Else cx of one camera is some {:.0f} to {:.0f} px off, "
-      "and what is seen is farther away than it is said to be",
+      "hardly anything is seen farther away than {:.0f} m, and the road seems to rise as if the camera looked {:.1f} "
+      "degrees farther down: is the view blocked there? If not, cx of one camera is some {:.0f} to {:.0f} px off, and "
+      "everything is farther away than reported",
       farthest_m, degrees(std::atan(offset_px * finding.told.height_m / finding.scale_px_m)),
       std::min(offset_px, farthest_px), std::max(offset_px, farthest_px));
 }
@@ -46,8 +46,8 @@ std::string deep_ground_note(const MountFinding& finding) {
   constexpr double kNear = 0.25;
   const double factor = finding.deep_ground_m / finding.told.height_m;
   std::string note = fmt::format(
-      "no road is seen where cameras of vehicles stand above it, but {0:.1f} m below this one: if it is that high, "
-      "give --camera-height {0:.1f}; else its baseline of {1:.4g} m is too long",
+      "the road is not where cameras of vehicles see it, but {0:.1f} m below this camera: if it is that high, give "
+      "--camera-height {0:.1f}; if not, its baseline of {1:.4g} m is too long",
       finding.deep_ground_m, finding.baseline_m);
   for (const auto& [unit, metres] :
        {std::pair{"decimetres", 0.1}, std::pair{"inches", 0.0254}, std::pair{"feet", 0.3048}})
@@ -71,13 +71,14 @@ std::string other_causes_of_tilt(const MountFinding& finding) {
   const double offset_px = finding.rise_px();
   if (pitches && !rolls && offset_px >= kLeastOffset_px && finding.farthest_px >= kLeastShare * offset_px)
     return fmt::format(
-        ". Hardly anything is seen farther away than {:.1f} m: if it looks {}, cx of one camera is "
-        "some {:.0f} px off and what is seen is farther away than it is said to be",
+        ". Hardly anything is seen farther away than {:.1f} m: if the camera does look {}, cx of one camera is some "
+        "{:.0f} px off and everything is farther away than reported",
         finding.scale_px_m / finding.farthest_px, pitch_words(finding.told.pitch_rad),
         std::min(offset_px, finding.farthest_px));  // no place has less than what cx is off by
   if (rolls && !pitches)
-    return fmt::format(". If it leans {}, one image is narrower than the other: were they resized alike?",
-                       roll_words(finding.told.roll_rad));
+    return fmt::format(
+        ". If the camera does lean {}, one image is narrower than the other: were both resized by the same factor?",
+        roll_words(finding.told.roll_rad));
   if (const auto doubt = pitches ? std::nullopt : doubt_on_offset(finding)) return "; " + *doubt;
   return "";
 }
@@ -90,24 +91,26 @@ std::string tilt_words(const CameraMount& mount) {
 
 std::optional<std::string> mount_note(const MountFinding& finding) {
   if (finding.is_upside_down)
-    return "the ground lies above the camera: the images stand on their heads; turn both by 180 degrees and give the "
-           "right one as the left, unless that is a ceiling";
+    return "the ground lies above the camera: the images are upside down; turn both by 180 degrees and give the right "
+           "one as the left, unless that is a ceiling";
   if (finding.deep_ground_m > 0.0) return deep_ground_note(finding);
   if (!finding.is_replaced) return finding.is_confirmed ? doubt_on_offset(finding) : std::nullopt;
   const CameraMount &told = finding.told, &seen = finding.mount;
   std::string note = fmt::format(
-      "the road lies {:.2f} m below the camera, which looks {} and leans {}, not {:.2f} m, {} and {}: that is used; "
-      "give it as --camera-height {:.2f} --camera-pitch {:.1f} --camera-roll {:.1f}, or --mount given for the other",
+      "the road lies {:.2f} m below the camera, which looks {} and leans {}, not {:.2f} m, {} and {}: what the road "
+      "shows is used; confirm it with --camera-height {:.2f} --camera-pitch {:.1f} --camera-roll {:.1f}, or use the "
+      "other values with --mount given",
       seen.height_m, pitch_words(seen.pitch_rad), roll_words(seen.roll_rad), told.height_m, pitch_words(told.pitch_rad),
       roll_words(told.roll_rad), seen.height_m, tenths_deg(seen.pitch_rad), tenths_deg(seen.roll_rad));
   // All ranges grow with the baseline, and so does the height that the road is seen at.
   constexpr double kMuch = 0.15, kNear = 0.35;
   for (const auto& [unit, metres] : {std::pair{"centimetres", 1e-2}, std::pair{"millimetres", 1e-3}})
     if (std::abs(seen.height_m / (told.height_m * metres) - 1.0) < kNear)
-      return note + fmt::format(". Was {:.4g} meant in {}?", told.height_m, unit);
+      return note + fmt::format(". Is {:.4g} in {}?", told.height_m, unit);
   if (std::abs(seen.height_m / told.height_m - 1.0) > kMuch)
     note += fmt::format(
-        ". If {:.2f} m was measured, the baseline or the focal length is not that of the cameras but {:.3g} times it",
+        ". If {:.2f} m was measured, the baseline or the focal length of the calibration is not that of the cameras "
+        "but {:.3g} times as large",
         told.height_m, seen.height_m / told.height_m);
   return note + other_causes_of_tilt(finding);
 }

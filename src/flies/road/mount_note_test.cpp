@@ -30,8 +30,10 @@ TEST(MountNote, DoubtsThePrincipalPointWhereAPitchAloneIsSeenAndNothingFarAway) 
   const auto note = mount_note(found_with(20.0, 0.0, 19.0));
   ASSERT_TRUE(note);
   EXPECT_THAT(*note, HasSubstr("4.9 degrees down"));
-  EXPECT_THAT(*note,
-              HasSubstr("farther away than 20.4 m: if it looks 0.0 degrees down, cx of one camera is some 19 px off"));
+  EXPECT_THAT(
+      *note,
+      HasSubstr(
+          "farther away than 20.4 m: if the camera does look 0.0 degrees down, cx of one camera is some 19 px off"));
 }
 
 TEST(MountNote, DoesNotDoubtThePrincipalPointWhereSomethingIsFarAway) {
@@ -48,7 +50,7 @@ TEST(MountNote, AsksForOtherWidthsWhereARollAloneIsSeen) {
   const auto note = mount_note(found_with(0.0, 22.0, 2.0));
   ASSERT_TRUE(note);
   EXPECT_THAT(*note, HasSubstr("leans 5.4 to the right"));
-  EXPECT_THAT(*note, HasSubstr("If it leans 0.0 to the right, one image is narrower than the other"));
+  EXPECT_THAT(*note, HasSubstr("If the camera does lean 0.0 to the right, one image is narrower than the other"));
   EXPECT_THAT(*mount_note(found_with(20.0, 22.0, 2.0)), Not(HasSubstr("narrower")));
 }
 
@@ -88,8 +90,8 @@ TEST(MountNote, NamesTheBaselineWhereGroundLiesDeep) {
   MountFinding finding{
       .told = {kHeight_m, 0.0, 0.0}, .mount = {}, .baseline_m = 1.2, .scale_px_m = kScale_px_m, .deep_ground_m = 16.0};
   EXPECT_THAT(*mount_note(finding),
-              HasSubstr("16.0 m below this one: if it is that high, give --camera-height 16.0; "
-                        "else its baseline of 1.2 m is too long (was it meant in decimetres, 0.12 m?)"));
+              HasSubstr("16.0 m below this camera: if it is that high, give --camera-height 16.0; if not, its baseline "
+                        "of 1.2 m is too long (was it meant in decimetres, 0.12 m?)"));
   finding.deep_ground_m = 70.0;
   EXPECT_THAT(*mount_note(finding), HasSubstr("inches, 0.0305 m?"));
   finding.deep_ground_m = 5.3;

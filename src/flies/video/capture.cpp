@@ -20,7 +20,8 @@ namespace {
 std::string complaint(SourceKind kind) {
   switch (kind) {
     case SourceKind::device:
-      return "no camera that can be opened; is it plugged in, in use by another program, may you read it?";
+      return "no camera that can be opened; is it plugged in, does another program use it, do you have permission to "
+             "read it?";
     case SourceKind::stream:
       return "cannot be opened; does it play with gst-launch-1.0 or ffplay?";
     case SourceKind::file:

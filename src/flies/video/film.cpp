@@ -20,7 +20,7 @@ namespace flies {
 
 Film::Film(const std::string& path, double rate_hz) : path_(path), rate_hz_(rate_hz) {
   if (fs::path(path).extension() != ".mp4")
-    throw InputError(path, "", "has another ending, expected .mp4: that is the kind of film that is written");
+    throw InputError(path, "", "has another ending, expected .mp4: only MP4 films are written");
   if (!(rate_hz > 0.0))
     throw InputError(path, "rate", fmt::format("found {} pictures a second, expected more", rate_hz));
   std::error_code error;

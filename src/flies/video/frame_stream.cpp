@@ -293,7 +293,7 @@ class Reading {
       const std::lock_guard lock(state_->mutex);
       if (std::exchange(state_->broken_told, true)) return;
     }
-    state_->say(why + "; left out, as all such pictures will be");
+    state_->say(why + "; it is left out, and so are all others like it");
   }
 
   /// Light and sensors are never still: the same picture to the bit for seconds is a camera that hangs.

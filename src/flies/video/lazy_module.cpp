@@ -39,7 +39,9 @@ void* module_function(const std::string& module, const std::string& function) {
     if (symbol == nullptr) throw InputError(path.string(), function, "is not in this module; it is of another version");
     return symbol;
   }
-  throw InputError(file, "", "is missing; it belongs into lib/flies beside the program's folder (or FLIES_MODULES)");
+  throw InputError(
+      file, "",
+      "is missing; it belongs in lib/flies beside the program's folder (or in the folder that FLIES_MODULES names)");
 }
 
 }  // namespace flies

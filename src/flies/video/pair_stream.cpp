@@ -124,8 +124,8 @@ std::optional<std::string> skew_note(const std::vector<double>& skews_s) {
   const double median_s = upper_median(skews_s);
   if (median_s < kSkewMatters_s) return std::nullopt;
   return fmt::format(
-      "left and right pictures are {:.1f} ms apart (median of {}): what moves, and all when the camera "
-      "moves, gets a wrong range; a common trigger helps",
+      "left and right pictures are {:.1f} ms apart (median of {}): things that move, and everything when the camera "
+      "moves, get wrong ranges; trigger both cameras together",
       1e3 * median_s, skews_s.size());
 }
 
@@ -262,7 +262,7 @@ bool PairStream::accept(StereoFrame& frame) {
 
 void PairStream::leave_out(const std::string& why) {
   ++counts_.broken;
-  if (!std::exchange(size_told_, true)) tell_(why + "; left out, as all such pictures will be");
+  if (!std::exchange(size_told_, true)) tell_(why + "; it is left out, and so are all others like it");
 }
 
 void PairStream::watch_skew(double skew_s) {
@@ -282,7 +282,7 @@ void PairStream::tell_shorter() {
     const auto ended = streams_[i]->counts(), other = streams_[1 - i]->counts();
     if (ended.given_s <= 0.0 || !is_shorter(ended.given_s, other.said_s, other.step_s)) continue;
     shorter_told_ = true;
-    tell_(fmt::format("{}: ends after {:.2f} s, {} is {:.2f} s long: what comes later in it has no partner",
+    tell_(fmt::format("{}: ends after {:.2f} s, while {} is {:.2f} s long: later pictures of that have no partner",
                       request_.sources[i], ended.given_s, request_.sources[1 - i], other.said_s));
     return;
   }
@@ -291,7 +291,7 @@ void PairStream::tell_shorter() {
 void PairStream::tell_unpaired(double skew_s) {
   if (++unpaired_in_a_row_ < kUnpairedToTell || std::exchange(unpaired_told_, true)) return;
   tell_(
-      fmt::format("{} and {}: pictures are {:.0f} ms apart and make no pair, at most {:g} ms are allowed (--max-skew)",
+      fmt::format("{} and {}: pictures are {:.0f} ms apart and make no pair; at most {:g} ms are allowed (--max-skew)",
                   request_.sources[0], request_.sources[1], 1e3 * std::abs(skew_s), 1e3 * request_.max_skew_s));
 }
 

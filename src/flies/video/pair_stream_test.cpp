@@ -194,7 +194,7 @@ TEST_F(PairStreamTest, HalfAStepApartIsAPair) {
 TEST_F(PairStreamTest, SkewThatComesLaterIsToldOnce) {
   all_of({.name = "left", .count = 120, .rate_hz = 100.0}, {.name = "right", .count = 120, .rate_hz = 99.0}, 120);
   EXPECT_EQ(std::count_if(told.begin(), told.end(),
-                          [](const auto& sentence) { return sentence.find("common trigger") != sentence.npos; }),
+                          [](const auto& sentence) { return sentence.find("trigger both cameras") != sentence.npos; }),
             1);
   EXPECT_THAT(told, Contains(HasSubstr("4.5 ms apart (median of 30)")));
 }
