@@ -96,7 +96,8 @@ std::string zsh_script(const CLI::App& app) {
 }  // namespace
 
 void setup_completion(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("completion", "print what makes a shell complete commands and options");
+  CLI::App* command =
+      app.add_subcommand("completion", "print the script by which a shell completes commands and options");
   const auto shell = std::make_shared<std::string>();
   command->add_option("SHELL", *shell, "bash or zsh")->required()->check(CLI::IsMember({"bash", "zsh"}));
   command->footer(

@@ -65,9 +65,9 @@ void setup_config(CLI::App& app) {
   add_method_options(*command, arguments->method);
   add_listed_options<flies::TrackerOptions>(*command, "", "", arguments->following);
   command->footer(
-      "\nThe options are those of the preset, overruled by --options FILE, overruled by options on the\n"
-      "command line such as --evolve.flies 3000. The YAML that is printed can be fed back by --options; where\n"
-      "nothing is followed from pair to pair, its options of following, ego.* and track.*, do nothing.\n"
+      "\nThe options are those of the preset; --options FILE overrides them, and options on the command line,\n"
+      "such as --evolve.flies 3000, override both. The YAML that is printed can be given to --options. Commands\n"
+      "that do not follow things from pair to pair ignore its options ego.* and track.*.\n"
       "\nExample:\n"
       "  flies config --preset paper --evolve.generations 2 > mine.yaml\n"
       "  flies detect left.png right.png --calib calib.txt --options mine.yaml\n"

@@ -84,8 +84,7 @@ void setup_info(CLI::App& app) {
       "\nExample:\n"
       "  flies info\n"
       "\nThe environment variable FLIES_TARGET selects another fitness kernel for any command,\n"
-      "e.g. FLIES_TARGET=SSE4\n"
-      "or scalar. Results stay the same.\n"
+      "e.g. FLIES_TARGET=SSE4 or FLIES_TARGET=scalar. Results stay the same.\n"
       "\nExit status: 0.");
   command->callback(run_info);
 }

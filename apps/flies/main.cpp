@@ -85,8 +85,8 @@ void setup(CLI::App& app) {
       "  flies calib calib.txt                  what a calibration file says\n"
       "  flies evaluate street                  measure what is found against that truth\n"
       "  flies config --list                    every option of the method\n"
-      "\nExit status: 0 done, also when nothing was found, and for this help; 2 a fault in the\n"
-      "input or the command line, told in one line; 1 a fault of the program itself.");
+      "\nExit status: 0 done, also when nothing was found, and for this help; 2 an error in the\n"
+      "input or the command line, reported in one line; 1 an error of the program itself.");
   app.set_version_flag("-V,--version", "flies " FLIES_VERSION);
   app.require_subcommand(0, 1);
   setup_detect(app);

@@ -228,11 +228,11 @@ void add_training_options(CLI::App& command, TrainArguments& arguments) {
 }  // namespace
 
 void setup_train(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("train", "train a people model on own pictures");
+  CLI::App* command = app.add_subcommand("train", "train a people model on your own pictures");
   const auto arguments = std::make_shared<TrainArguments>();
   // For help and completion: `main` has given the command line away where this is in it.
   command->add_flag_callback(
-      "--network", [] {}, "train a network of convolutions instead, with flies-train-network, which has other options");
+      "--network", [] {}, "train a convolutional network instead, with flies-train-network, which has other options");
   command
       ->add_option("--positives", arguments->positives,
                    "folders of people: crops of one person each, or pictures with Pascal VOC, KITTI, YOLO, COCO or "
@@ -246,29 +246,33 @@ void setup_train(CLI::App& app) {
       ->type_name("DIR");
   command
       ->add_option("--stereo-negatives", arguments->stereo_negatives,
-                   "folders of pairs as `flies evaluate` reads them: boxes that the flies propose away from people")
+                   "folders of pairs, as `flies evaluate` reads them: boxes that the flies propose away from people "
+                   "become windows without people")
       ->type_name("DIR");
   command->add_option("--out", arguments->out, "model file to write")->required()->type_name("MODEL");
   command
       ->add_option("--crop-person-share", arguments->crop_person_share,
-                   "of a crop's height that the person in its middle fills; default 0.75")
+                   "share of a crop's height that the person in its middle fills; default 0.75")
       ->check(in_range(0.1, 1.0))
       ->type_name("X");
-  command->add_option("--name", arguments->name, "of the model; default: the file's")->type_name("TEXT");
-  command->add_option("--about", arguments->about, "written into the model: licence, source of the data")
+  command->add_option("--name", arguments->name, "name of the model; default: that of the file")->type_name("TEXT");
+  command
+      ->add_option("--about", arguments->about, "texts to write into the model, such as licence and source of the data")
       ->type_name("KEY=TEXT");
-  command->add_option("--work", arguments->work, "folder that a stopped training goes on from; default MODEL.work")
+  command
+      ->add_option("--work", arguments->work,
+                   "folder of intermediate results, from which a stopped training continues; default MODEL.work")
       ->type_name("DIR");
   command->add_option("--report", arguments->report, "HTML file with curves, mistakes and weights")->type_name("FILE");
   add_training_options(*command, *arguments);
   command->footer(
       "\nA part of the pictures is kept apart for calibration, threshold and the numbers that are printed.\n"
-      "Same pictures, seed and options give the same file. docs/training.md tells how it works.\n"
+      "Same pictures, seed and options give the same file. docs/training.md says how it works.\n"
       "\nExample:\n"
       "  flies train --positives data/people/train/positives --negatives data/people/train/negatives --kernel rbf "
       "--out mine.json\n"
       "  flies detect left.png right.png --calib calib.txt --model mine.json\n"
       "  flies train --network --help           the options of a network's training\n"
-      "\nExit status: 0 done, 2 a fault in the input, told in one line.");
+      "\nExit status: 0 done, 2 an error in the input, reported in one line.");
   command->callback([arguments] { run_train(*arguments); });
 }

@@ -66,20 +66,21 @@ void setup(CLI::App& app, flies::NetworkArguments& arguments, Overrides& learnin
                  "folder with `train` (crops of people, pictures without) and `pictures` (labelled streets)")
       ->type_name("DIR");
   app.add_option("--stereo", arguments.folders.stereo,
-                 "folders of pairs with truth, as `flies evaluate` reads them: boxes that the flies propose away from "
-                 "people, and people in full view")
+                 "folders of pairs with truth, as `flies evaluate` reads them: their people in full view, and boxes "
+                 "that the flies propose away from people as windows without people")
       ->type_name("DIR");
   app.add_option("--out", arguments.out, "model file to write")->required()->type_name("MODEL");
-  app.add_option("--name", arguments.name, "of the model; default: the file's")->type_name("TEXT");
-  app.add_option("--work", arguments.work, "folder that a stopped training goes on from; default MODEL.work")
+  app.add_option("--name", arguments.name, "name of the model; default: that of the file")->type_name("TEXT");
+  app.add_option("--work", arguments.work,
+                 "folder of intermediate results, from which a stopped training continues; default MODEL.work")
       ->type_name("DIR");
   app.add_option("--report", arguments.report, "HTML file with curves, mistakes and epochs")->type_name("FILE");
-  app.add_option("--first", arguments.first, "whose linear machine looks first; default flies-48x96-linear")
+  app.add_option("--first", arguments.first, "model whose linear machine looks first; default flies-48x96-linear")
       ->type_name("MODEL");
   app.add_flag_callback(
       "--all", [&] { arguments.folders.keep_apart = false; },
       "learn from all pictures, keep none apart; needs --calibration-of");
-  app.add_option("--calibration-of", arguments.calibration_of, "whose calibration and threshold are taken")
+  app.add_option("--calibration-of", arguments.calibration_of, "model whose calibration and threshold are used")
       ->type_name("MODEL");
   app.add_option("--network-of", arguments.network_of,
                  "no training: this model's network behind the first look of --first, calibrated and judged on what is "
@@ -95,7 +96,7 @@ void setup(CLI::App& app, flies::NetworkArguments& arguments, Overrides& learnin
       "printed. Same pictures, seed and options give the same file. docs/training.md tells how it works.\n"
       "\nExample:\n"
       "  flies train --network --people people --out net.json --report net.html\n"
-      "\nExit status: 0 done, 2 a fault in the input, told in one line.");
+      "\nExit status: 0 done, 2 an error in the input, reported in one line.");
 }
 
 /// @throws InputError when options do not go together
@@ -112,7 +113,7 @@ void check(const flies::NetworkArguments& arguments) {
   if (!arguments.folders.keep_apart && arguments.calibration_of.empty())
     refuse("--all", "keeps nothing apart to calibrate by, expected --calibration-of with it");
   if (!arguments.report.empty() && (!has_pictures || !arguments.folders.keep_apart))
-    refuse("--report", "tells of pictures kept apart, expected --people and no --all");
+    refuse("--report", "needs pictures kept apart, expected --people and no --all");
   OutputClaims claims;
   for (const auto& model : {arguments.first, arguments.calibration_of, arguments.network_of}) claims.reads(model);
   claims.writes(arguments.out, "--out");

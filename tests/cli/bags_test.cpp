@@ -126,8 +126,8 @@ TEST(Bags, TopicsThatNumbersTellAreNamed) {
   write_text(folder.path() / "calib.txt", kitti_calibration());
   write_topics(folder.path() / "drive.bag", {"/camera/infra1/image", "/camera/infra2/image"});
   EXPECT_THAT(track(folder, {"--calib", "calib.txt"}).err,
-              HasSubstr("no topic says left or right: /camera/infra1/image is taken for the left one, "
-                        "/camera/infra2/image for the right one; --topics LEFT,RIGHT says otherwise"));
+              HasSubstr("no topic name says left or right: /camera/infra1/image is taken as the left one, "
+                        "/camera/infra2/image as the right one; choose others with --topics LEFT,RIGHT"));
 }
 
 TEST(Bags, MessagesThatNothingDescribesAreToldOnce) {
@@ -148,16 +148,15 @@ TEST(Bags, PicturesOfOneSideAloneOfAFileThatWasCutOff) {
   write_topics(folder.path() / "drive.bag", {"/left"});
   RunResult result = track(folder, {});
   EXPECT_EQ(result.status, 2);
-  EXPECT_EQ(
-      result.err,
-      "flies: drive.bag: holds no pair, for that takes pictures of two topics; topics with pictures: /left (1)\n");
+  EXPECT_EQ(result.err,
+            "flies: drive.bag: holds no pairs, which need pictures of two topics; topics with pictures: /left (1)\n");
   std::ofstream(folder.path() / "drive.bag", std::ios::binary | std::ios::app) << "cut";
   result = track(folder, {});
   EXPECT_EQ(result.status, 2);
-  EXPECT_THAT(result.err, HasSubstr("drive.bag: is cut off or damaged, and what is whole of it holds no pair"));
+  EXPECT_THAT(result.err, HasSubstr("drive.bag: is cut off or damaged, and the intact part of it holds no pair"));
   result = track(folder, {"--topics", "/left,/right"});
-  EXPECT_THAT(result.err, HasSubstr("drive.bag: is cut off or damaged, and what is whole of it holds no pictures in "
-                                    "'/right'"));
+  EXPECT_THAT(result.err,
+              HasSubstr("drive.bag: is cut off or damaged, and the intact part of it holds no pictures in '/right'"));
 }
 
 TEST(Bags, PicturesOfEitherSideWithoutPartnersAreCounted) {
@@ -249,9 +248,10 @@ TEST(Bags, FaultyMessagesArePassedOver) {
   const RunResult result = track(folder, {});
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(lines(result.out).size(), static_cast<std::size_t>(kPairs));
-  EXPECT_THAT(result.err, AllOf(HasSubstr("1 messages of /rig/left/image_raw are left out: they cannot be read; the "
-                                          "first: drive.bag /rig/left/image_raw: the message ends too early"),
-                                Not(HasSubstr("/other")), Not(HasSubstr("damaged"))));
+  EXPECT_THAT(result.err,
+              AllOf(HasSubstr("1 messages of /rig/left/image_raw are left out, because they cannot be read; the first "
+                              "error: drive.bag /rig/left/image_raw: the message ends too early"),
+                    Not(HasSubstr("/other")), Not(HasSubstr("damaged"))));
 
   write_bag(folder.path() / "drive.bag", {.has_camera_info = false, .before = cut(2)});
   const RunResult needed = track(folder, {});
@@ -278,7 +278,7 @@ TEST(Bags, WhatIsMissingIsNamed) {
   write_text(folder.path() / "calib.txt", kitti_calibration());
   EXPECT_EQ(track(folder, {"--calib", "calib.txt"}).status, 0);
   write_bag(folder.path() / "drive.bag", {.has_camera_info = false, .after = "cut"});
-  EXPECT_THAT(track(folder, {}).err, HasSubstr("/rig/left/camera_info: is missing from what is whole of the file"));
+  EXPECT_THAT(track(folder, {}).err, HasSubstr("/rig/left/camera_info: is missing from the intact part of the file"));
 
   write_bag(folder.path() / "drive.bag", {.encoding = "32FC1"});
   const RunResult floats = track(folder, {});

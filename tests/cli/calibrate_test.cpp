@@ -111,7 +111,7 @@ TEST_F(Calibrate, SaysWhyPairsWereLeftOutWhereTooFewAreLeft) {
           "views: 4 with a board in both images are left, expected at least 5; 0 dropped; 9 pairs were left out "
           "before, most as left/02.jpg: right/02.jpg: pixels: not a pair");
   for (const std::string number : {"11.jpg", "12.jpg", "13.jpg", "14.jpg"}) spoil(number);
-  refused(words, "none of 13 pairs shows a board, for most cannot be used: right/02.jpg: pixels: not a pair");
+  refused(words, "none of 13 pairs shows a board, and most of them cannot be used: right/02.jpg: pixels: not a pair");
 }
 
 /// Hides what lies to the left of the corners of the board's second column, as of a board that is held too far out.
@@ -233,7 +233,7 @@ TEST_F(Calibrate, TellsOnceThatImagesAreMosaics) {
   EXPECT_THAT(calibrate(with_pattern).err, Not(HasSubstr("mosaic")));
   with_pattern.back() = "gbrg";
   const RunResult wrong = calibrate(with_pattern);
-  EXPECT_THAT(lines(wrong.err), ElementsAre(HasSubstr("L/01.png: --bayer: the greens"), HasSubstr("views")));
+  EXPECT_THAT(lines(wrong.err), ElementsAre(HasSubstr("L/01.png: --bayer: the green pixels"), HasSubstr("views")));
 }
 
 TEST_F(Calibrate, ChecksOutputsBeforeTheWork) {
@@ -255,7 +255,7 @@ TEST_F(Calibrate, RefusesWhatCannotBe) {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   };
-  refused(good, "is in none of 1 pairs");
+  refused(good, "was found in none of 1 pairs");
   refused({"left.png", "right.png", "--board", "9x6", "--square", "0.025"}, "--output");
   refused({"left.png", "right.png", "--board", "9x6", "--output", "rig.yml"}, "--square");
   refused({"left.png", "right.png", "--board", "9by6", "--square", "0.025", "--output", "rig.yml"}, "9by6");

@@ -100,7 +100,7 @@ TEST_F(Check, DetectMakesUpForRowsThatLieApartAndSaysSo) {
   write_low_right();
   const RunResult result = detect("low.png");
   EXPECT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("made up for"));
+  EXPECT_THAT(result.err, HasSubstr("this is corrected"));
   const json record = json::parse(result.out);
   EXPECT_TRUE(finds_the_box(record)) << result.out;
   EXPECT_NEAR(record.at("diagnosis").at("corrected_row_offset_px").get<double>(), kRows_px, 0.2);
@@ -214,7 +214,7 @@ TEST_F(Check, TellsARigThatHangsUpsideDown) {
   cv::rotate(street_pair().left, right, cv::ROTATE_180);
   cv::imwrite((folder.path() / "left.png").string(), left);
   cv::imwrite((folder.path() / "right.png").string(), right);
-  EXPECT_THAT(check("right.png").out, HasSubstr("on their heads"));
+  EXPECT_THAT(check("right.png").out, HasSubstr("upside down"));
 }
 
 TEST_F(Check, TellsALensCapFromAnEmptyRoad) {
@@ -227,7 +227,8 @@ TEST_F(Check, TellsALensCapFromAnEmptyRoad) {
 TEST_F(Check, OfARunDoesNotLookRightWherePairsAreBadOrUnreadable) {
   write_folders(folder.path(), 3, 3);
   const Words words = {"check", "l", "r", "--calib", "calib.txt", "--camera-height", "1.65", "--camera-pitch", "0"};
-  EXPECT_THAT(run_flies(folder.path(), words).out, HasSubstr("2 of 3 pairs: both images of the pair before"));
+  EXPECT_THAT(run_flies(folder.path(), words).out,
+              HasSubstr("2 of 3 pairs: both images are those of the previous pair"));
   keep_first_bytes(folder.path() / "l" / "2.png", 0.5);
   const RunResult result = run_flies(folder.path(), words);
   EXPECT_EQ(result.status, 0) << result.err;
@@ -258,7 +259,7 @@ TEST_F(Check, OfARunStandsAnOddFirstPair) {
 TEST_F(Check, ListsWhatTheCalibrationLeavesInDoubt) {
   write_text(folder.path() / "calib.txt", kitti_calibration(300.0, 160.0, 5.0));
   const RunResult result = check("right.png");
-  EXPECT_THAT(result.out, HasSubstr("  - calib.txt: a baseline of 5 m is hardly"));
+  EXPECT_THAT(result.out, HasSubstr("  - calib.txt: a baseline of 5 m is unlikely"));
   EXPECT_THAT(result.err, Not(HasSubstr("baseline"))) << "once is enough";
   const json record = json::parse(check("right.png", {"--json"}).out);
   EXPECT_FALSE(record.at("looks_right").get<bool>());
@@ -271,7 +272,7 @@ TEST_F(Check, HowAFileIsTakenIsNoDoubt) {
              "D1: [0, 0, 0, 0]\nM2: [300, 0, 160, 0, 300, 110, 0, 0, 1]\nD2: [0, 0, 0, 0]\n"
              "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [-0.5, 0, 0]\n");
   for (const auto& [file, more, told] : {std::tuple("calib.txt", Words{}, "no camera height and pitch, assumed"),
-                                         std::tuple("calib.txt", Words{"--baseline", "0.5001"}, "0.5001 m as was said"),
+                                         std::tuple("calib.txt", Words{"--baseline", "0.5001"}, "0.5001 m as given"),
                                          std::tuple("raw.yml", Words{}, "taken as raw")}) {
     Words words = {"check", "left.png", "right.png", "--calib", file};
     words.insert(words.end(), more.begin(), more.end());
@@ -287,7 +288,7 @@ TEST_F(Check, AScaledCalibrationIsADoubtUnlessTheUserSaysThatImagesWereResized) 
              "width_px: 640\nheight_px: 480\nheight_m: 1.65\npitch_deg: 0\n");
   const Words words = {"check", "left.png", "right.png", "--calib", "large.yaml"};
   EXPECT_THAT(run_flies(folder.path(), words).out,
-              HasSubstr("if they were cut out of larger ones instead, ranges are"));
+              HasSubstr("if they were cropped from larger images instead, ranges are"));
   Words resized = words;
   resized.emplace_back("--resized");
   EXPECT_THAT(run_flies(folder.path(), resized).out, HasSubstr("looks right"));
@@ -308,7 +309,7 @@ TEST_F(Check, PaddedImagesAreRefusedAlsoWhenSaidToBeResized) {
     const RunResult result = run_flies(folder.path(), words);
     EXPECT_EQ(result.status, 2);
     EXPECT_THAT(result.err, HasSubstr("(left 0, right 4, top 0, bottom 6 px)"));
-    EXPECT_THAT(result.err, HasSubstr("What is left, 320 x 240 px"));
+    EXPECT_THAT(result.err, HasSubstr("What is inside the borders, 320 x 240 px"));
   }
   const RunResult whole = run_flies(folder.path(), {"check", "left.png", "right.png", "--calib", "own.yaml"});
   EXPECT_THAT(whole.out, HasSubstr("looks right")) << whole.err;
@@ -317,7 +318,7 @@ TEST_F(Check, PaddedImagesAreRefusedAlsoWhenSaidToBeResized) {
 TEST_F(Check, ListsWhatIsOddAboutThePairing) {
   write_folders(folder.path(), 3, 2);
   const RunResult result = run_flies(folder.path(), {"check", "l", "r", "--calib", "calib.txt"});
-  EXPECT_THAT(result.out, HasSubstr("  - without a partner, and left out: l/2.png"));
+  EXPECT_THAT(result.out, HasSubstr("  - these images have no partner and are left out: l/2.png"));
   EXPECT_THAT(result.err, Not(HasSubstr("partner")));
 }
 

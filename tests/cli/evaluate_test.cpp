@@ -94,8 +94,8 @@ TEST_F(Evaluate, MakesUpForRowsThatLieApartAndTells) {
   }
   const RunResult result = run_flies(folder.path(), evaluate({"--json", "-"}));
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("made up for"));
-  EXPECT_THAT(json::parse(result.out).at("notes").dump(), HasSubstr("made up for"));
+  EXPECT_THAT(result.err, HasSubstr("this is corrected"));
+  EXPECT_THAT(json::parse(result.out).at("notes").dump(), HasSubstr("this is corrected"));
   const RunResult as_it_is = run_flies(folder.path(), evaluate({"--json", "-", "--self-rectify", "off"}));
   EXPECT_THAT(as_it_is.err, HasSubstr("not quite rectified"));
 }

@@ -37,13 +37,13 @@ TEST_F(LiveCommand, AFilmOfOneCameraNeedsThatOfTheOther) {
     for (const char* split : {"side", "top"}) {
       const RunResult result = run({"l.avi", "--calib", calibration, "--split", split});
       EXPECT_EQ(result.status, 2);
-      EXPECT_THAT(result.err, HasSubstr("l.avi: image size: a whole picture has 320 x 240 px, for which the "
-                                        "calibration is; expected the left and the right picture in each"))
+      EXPECT_THAT(result.err, HasSubstr("l.avi: image size: found whole pictures of 320 x 240 px, the size that the "
+                                        "calibration is for; expected the left and the right picture in each"))
           << calibration << " " << split;
     }
   const RunResult other = run({"beside.avi", "--calib", "sized.yaml", "--split", "top"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_THAT(other.err, Not(HasSubstr("a whole picture")));
+  EXPECT_THAT(other.err, Not(HasSubstr("whole pictures")));
 }
 
 TEST_F(LiveCommand, ColoursAreNoMosaic) {

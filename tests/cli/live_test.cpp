@@ -147,7 +147,7 @@ TEST_F(LiveCommand, FaultsOfRecordingsAreTold) {
   EXPECT_THAT(run({"beside.avi", "--calib", "calib.txt", "--foxglove", "0", "--foxglove-address", "here"}).err,
               HasSubstr("here:0: is no IP address"));
   EXPECT_THAT(run({"beside.avi", "--calib", "calib.txt", "--view", "0", "--view-address", "192.0.2.1"}).err,
-              HasSubstr("192.0.2.1:0: cannot be listened at"));
+              HasSubstr("192.0.2.1:0: cannot be listened on"));
 }
 
 TEST_F(LiveCommand, InterruptEndsCleanly) {
@@ -297,8 +297,9 @@ TEST_F(LiveCommand, DiskThatFillsUpInTheMiddleLeavesWhatIsWhole) {
   run_into_limit("--record", "short.mcap", "ulimit -f 100;");
   const RunResult none = run_flies(folder.path(), {"track", "short.mcap"});
   EXPECT_EQ(none.status, 2);
-  EXPECT_THAT(none.err,
-              HasSubstr("short.mcap: is cut off or damaged, and what is whole of it holds no "));  // pictures, or pair
+  EXPECT_THAT(
+      none.err,
+      HasSubstr("short.mcap: is cut off or damaged, and the intact part of it holds no "));  // pictures, or pair
 
   const RunResult film = run_into_limit("--video", "out.mp4", "ulimit -f 8;");
   EXPECT_THAT(film.err, Not(HasSubstr("moov"))) << "FFmpeg's own words";

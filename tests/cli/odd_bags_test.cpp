@@ -71,14 +71,14 @@ TEST_F(OddBags, DepthBesidePicturesIsPassedOver) {
                                                     "/rig/right/image_raw/compressedDepth"});
   EXPECT_EQ(named.status, 2);
   EXPECT_THAT(named.err,
-              HasSubstr("of kinds that are not read: /rig/left/image_raw/compressedDepth (compressedDepth)"));
+              HasSubstr("of types that flies does not read: /rig/left/image_raw/compressedDepth (compressedDepth)"));
 }
 
 TEST_F(OddBags, CalibrationThatChangesIsTold) {
   const std::string changed = camera_infos(kStart_ns + 900'000'000U, 0.7);
   const RunResult result = track({.after = BagBytes::chunk("none", changed, changed.size())});
   sees_the_box(result);
-  EXPECT_THAT(result.err, HasSubstr("/rig/left/camera_info changes in mid-recording: K, P (focal length"));
+  EXPECT_THAT(result.err, HasSubstr("/rig/left/camera_info changes during the recording: K, P (focal length"));
   EXPECT_THAT(track({}).err, Not(HasSubstr("changes")));
 }
 
@@ -91,8 +91,8 @@ TEST_F(OddBags, CamerasThatAreNotCalibratedYetArePassedOver) {
 TEST_F(OddBags, MosaicsOfColoursBecomeGrey) {
   const RunResult result = track({.encoding = "bayer_grbg8"});
   sees_the_box(result);
-  EXPECT_THAT(result.err, HasSubstr("pictures of /rig/left/image_raw are mosaics of colours (bayer_grbg8), which grey "
-                                    "is made of"));
+  EXPECT_THAT(result.err,
+              HasSubstr("pictures of /rig/left/image_raw are Bayer mosaics (bayer_grbg8) and are converted to grey"));
 }
 
 TEST_F(OddBags, TimesOfAFileAreThoseOfThePicturesThatHaveAPartner) {
@@ -110,11 +110,12 @@ TEST_F(OddBags, TimesOfAFileAreThoseOfThePicturesThatHaveAPartner) {
   };
   const auto [by_number, times_s] = times_of("0\n1\n1.5\n1.75\n");
   EXPECT_THAT(times_s, ::testing::ElementsAre(0.0, 0.5, 0.75)) << by_number.err;
-  EXPECT_THAT(by_number.err, HasSubstr("holds 4 times for 3 pairs, taken by the numbers of the left pictures"));
+  EXPECT_THAT(by_number.err,
+              HasSubstr("holds 4 times for 3 pairs: times are chosen by the numbers of the left pictures"));
   EXPECT_THAT(times_of("0\n1\n1.5\n").second, ::testing::ElementsAre(0.0, 1.0, 1.5));
   const RunResult others = times_of("0\n1\n2\n3\n4\n").first;
   EXPECT_EQ(others.status, 2);
-  EXPECT_THAT(others.err, HasSubstr("times.txt: holds 5 times, expected 3, one a pair, or 4, one a left picture"));
+  EXPECT_THAT(others.err, HasSubstr("times.txt: holds 5 times, expected 3, one per pair, or 4, one per left picture"));
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ TEST_F(Reading, ImagesResizedByTwoScalesHaveTheRangesOfTheWholeOnes) {
   };
   const RunResult refused = detect("left1024", "right1024", {});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, HasSubstr("0.824 across and 0.853 down (then: --resized)"));
+  EXPECT_THAT(refused.err, HasSubstr("0.824 horizontally and 0.853 vertically (then give --resized)"));
   const RunResult resized = detect("left1024", "right1024", {"--resized"});
   ASSERT_EQ(resized.status, 0) << resized.err;
   const auto whole = lines(detect("street/left", "street/right", {}).out), found = lines(resized.out);
@@ -194,7 +194,7 @@ TEST_F(Reading, WordsThatDoNotFitAreRefused) {
   refused("detect", {"left.png", "--split", "down"}, "expected none, side or top");
   refused("detect", {"left.png", "right.png", "--bayer", "rgbg"}, "expected rggb, bggr, grbg or gbrg");
   write_text(folder.path() / "run.mcap", "not read");
-  refused("track", {"run.mcap", "--split", "side"}, "a recording says itself");
+  refused("track", {"run.mcap", "--split", "side"}, "a recording itself says");
   refused("live", {"both", "--bayer", "rgbg"}, "expected rggb, bggr, grbg or gbrg");
 }
 

@@ -35,12 +35,13 @@ TEST(Recordings, FoldersAndOtherKindsAreToldWhatToGive) {
   const auto drive = folder.path() / "drive";
   std::filesystem::create_directory(drive);
   write_text(drive / "metadata.yaml", "rosbag2_bagfile_information:\n");
-  EXPECT_THAT(run("drive").err, HasSubstr("drive: is no KITTI raw drive"));
+  EXPECT_THAT(run("drive").err, HasSubstr("drive: is neither a KITTI raw drive"));
   write_text(drive / "drive_0.db3", "SQLite format 3");
   for (const char* source : {"drive", "drive/metadata.yaml", "drive/drive_0.db3"}) {
     const RunResult result = run(source);
     EXPECT_EQ(result.status, 2);
-    EXPECT_THAT(result.err, HasSubstr("drive_0.db3: is a recording in SQLite, which is not read: convert it to MCAP"));
+    EXPECT_THAT(result.err,
+                HasSubstr("drive_0.db3: is a recording in SQLite, which flies does not read: convert it to MCAP"));
   }
   write_bag(drive / "a.bag");
   for (const char* source : {"drive", "drive/metadata.yaml"}) {
@@ -140,8 +141,8 @@ TEST(Recordings, ChannelsWithoutASchemaAreNamed) {
   write_mcap(folder.path() / "street.mcap", {{"/left/image", "x"}}, "cdr");
   const RunResult result = run_flies(folder.path(), {"track", "street.mcap"});
   EXPECT_EQ(result.status, 2);
-  EXPECT_THAT(result.err, HasSubstr("holds no pictures that are read; there are some of kinds that are not read: "
-                                    "/left/image (without a schema, in cdr): 1"));
+  EXPECT_THAT(result.err, HasSubstr("holds no pictures that can be read; it holds some of types that flies does not "
+                                    "read: /left/image (without a schema, in cdr): 1"));
 }
 
 TEST(Recordings, OtherSourcesAreToldTheirCommand) {
@@ -177,7 +178,7 @@ TEST(OwnRecordings, FaultsOfTheirCalibrationAreNamed) {
   const RunResult good = run(calibration_message(false));
   EXPECT_EQ(good.status, 0) << good.err;
   EXPECT_EQ(lines(good.out).size(), 1U);
-  EXPECT_THAT(good.err, HasSubstr("is damaged where it says where the camera sits"));
+  EXPECT_THAT(good.err, HasSubstr("is damaged where it says how the camera is mounted"));
   for (const std::vector<std::string>& option : {std::vector<std::string>{"--calib-size", "320,240"}, {"--raw"}}) {
     std::vector<std::string> words = {"track", "street.mcap"};
     words.insert(words.end(), option.begin(), option.end());
@@ -188,8 +189,8 @@ TEST(OwnRecordings, FaultsOfTheirCalibrationAreNamed) {
              {{"/left", "x", "foxglove.RawImage"}, {"/right", "x", "foxglove.RawImage"}});
   const RunResult unread = run_flies(folder.path(), {"track", "street.mcap"});
   EXPECT_EQ(unread.status, 2);
-  EXPECT_THAT(unread.err, HasSubstr("street.mcap: holds no pictures that are read; there are some of kinds that are "
-                                    "not read: /left (foxglove.RawImage in json): 1, /right"));
+  EXPECT_THAT(unread.err, HasSubstr("street.mcap: holds no pictures that can be read; it holds some of types that "
+                                    "flies does not read: /left (foxglove.RawImage in json): 1, /right"));
   const RunResult short_one = run(R"({"P": [1, 2, 3]})");
   EXPECT_EQ(short_one.status, 2);
   EXPECT_EQ(short_one.err, "flies: street.mcap: /left/calibration P: found 3 numbers, expected 12\n");

@@ -141,7 +141,8 @@ TEST_F(TrackCommand, TellsThatTheRateOverrulesTimes) {
     for (const char* number : {"0", "1", "2"})
       fs::rename(folder.path() / side / (std::string(number) + ".png"),
                  folder.path() / side / ("1403636579" + std::string(number) + "63555584.png"));
-  EXPECT_THAT(notes(words), HasSubstr("times are even, 20 pairs a second (--rate), instead of those in the names"));
+  EXPECT_THAT(notes(words),
+              HasSubstr("times are evenly spaced, 20 pairs per second (--rate), instead of those in the names"));
 }
 
 TEST_F(TrackCommand, TellsThatTimesOverruleTheRate) {
@@ -151,7 +152,7 @@ TEST_F(TrackCommand, TellsThatTimesOverruleTheRate) {
   words.insert(words.end(), {"--rate", "20"});
   const RunResult both = run(words);
   ASSERT_EQ(both.status, 0) << both.err;
-  EXPECT_THAT(both.err, HasSubstr("times are those in times.txt (--times), instead of 20 pairs a second (--rate)"));
+  EXPECT_THAT(both.err, HasSubstr("times are those in times.txt (--times), instead of 20 pairs per second (--rate)"));
 }
 
 TEST_F(TrackCommand, DoubtsTimesBetweenWhichNothingCanBeFollowed) {
@@ -159,8 +160,8 @@ TEST_F(TrackCommand, DoubtsTimesBetweenWhichNothingCanBeFollowed) {
     write_text(folder.path() / "times.txt", times);
     return run({"--calib", "calib.txt", "--times", "times.txt", "--json", "t.jsonl"}).err;
   };
-  EXPECT_THAT(notes("0\n100\n200\n"), HasSubstr("times.txt: pairs are 100 s apart or more, too far to follow anything: "
-                                                "are these milliseconds? expected seconds"));
+  EXPECT_THAT(notes("0\n100\n200\n"), HasSubstr("times.txt: pairs are 100 s apart or more, too long to follow "
+                                                "anything: are these milliseconds? expected seconds"));
   EXPECT_THAT(notes("0\n100000\n200000\n"), HasSubstr("are these microseconds?"));
   for (const char* good : {"0\n0.1\n0.2\n", "0\n4\n8\n", "0\n0.1\n100\n"})
     EXPECT_THAT(notes(good), ::testing::Not(HasSubstr("apart"))) << good;
@@ -227,7 +228,7 @@ TEST_F(TrackCommand, TakesTimesFromNames) {
   const RunResult result = run({"--calib", "calib.txt", "--json", "-"});
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_NEAR(json::parse(lines(result.out).at(2)).at("time_s").get<double>(), 2.0, 1e-6);
-  EXPECT_THAT(result.err, HasSubstr("times are those in the names of the images: 1 pairs a second"));
+  EXPECT_THAT(result.err, HasSubstr("times are those in the names of the images: 1 pairs per second"));
 }
 
 TEST_F(TrackCommand, WritesKittisTrackingFormat) {
@@ -357,7 +358,7 @@ TEST_F(TrackCommand, NamesWhatIsMissing) {
   EXPECT_THAT(few.err, HasSubstr("holds 2 times, expected 3"));
   const RunResult no_drive = run_flies(folder.path(), {"track", "left"});
   EXPECT_EQ(no_drive.status, 2);
-  EXPECT_THAT(no_drive.err, HasSubstr("no KITTI raw drive"));
+  EXPECT_THAT(no_drive.err, HasSubstr("neither a KITTI raw drive"));
 }
 
 TEST_F(TrackCommand, ChecksOutputsBeforeTheWork) {

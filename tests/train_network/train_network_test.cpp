@@ -207,7 +207,7 @@ TEST_F(TrainNetwork, NamesAFaultAndLeavesNothingBehind) {
       {train({"--out", "net.json", "--epochs", "0"}), "epochs: found 0, expected a whole number in 1..1000"},
       {train({"--out", "net.json", "--all"}), "--all: keeps nothing apart to calibrate by"},
       {train({"--out", "net.json", "--all", "--calibration-of", "flies-48x96-network", "--report", "a.html"}),
-       "--report: tells of pictures kept apart"},
+       "--report: needs pictures kept apart"},
       {train({"--out", "net.json", "--report", "net.json"}), "this file is already the output of --out"},
       {train({"--out", "no/such/net.json"}), "no/such/net.json"},
       {train({"--out", "net.json", "--network-of", "flies-48x96"}), "flies-48x96: convolution: missing"},

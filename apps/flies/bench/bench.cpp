@@ -169,31 +169,35 @@ void run_bench_command(BenchArguments arguments) {
 }  // namespace
 
 void setup_bench(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("bench", "measure how long everything takes, beside OpenCV's dense matching");
+  CLI::App* command =
+      app.add_subcommand("bench", "measure how long everything takes, compared with OpenCV's dense matching");
   const auto arguments = std::make_shared<BenchArguments>();
   command->add_option("LEFT", arguments->left, "left image; without images a synthetic street is rendered");
   command->add_option("RIGHT", arguments->right, "right image");
   command->add_option("--calib", arguments->calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE");
-  add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
+  add_cameras_option(
+      *command, arguments->camera,
+      "left and right camera of a KITTI calibration, e.g. 0,1; default: those in the image paths, or else 2,3");
   add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
-  command->add_option("--runs", arguments->plan.runs, "how often everything runs, in turns; medians are printed")
+  command->add_option("--runs", arguments->plan.runs, "number of runs of everything, in turns; medians are printed")
       ->check(in_range(1, 1000))
       ->capture_default_str();
-  command->add_flag("--only-flies", arguments->only_flies, "no OpenCV, no growth: seconds instead of a minute");
+  command->add_flag("--only-flies", arguments->only_flies,
+                    "measure neither OpenCV nor larger populations: takes seconds instead of a minute");
   command->add_option("--json", arguments->json, "write JSON instead of the table; - is standard output")
       ->type_name("FILE");
   command->footer(
-      "\nThe presets default and paper on one and two threads, stage by stage and as a whole; OpenCV's\n"
-      "StereoBM, SGBM and SGBM 3-way at 128 disparities and its HOG people detector over the whole image,\n"
-      "one thread each; evolving and concentrating with 3000, 30000 and 300000 flies, and on the same pair\n"
-      "with four times the pixels. Images are in memory, the detectors have seen some pairs before. All\n"
-      "contestants run in turns, detectors five pairs in a row.\n"
-      "Milliseconds: median, quartiles.\n"
+      "\nMeasures the presets default and paper on one and two threads, stage by stage and as a whole; OpenCV's\n"
+      "StereoBM, SGBM and SGBM 3-way at 128 disparities and its HOG people detector over the whole image, on\n"
+      "one thread each; and evolving and concentrating with 3000, 30000 and 300000 flies, and on the same pair\n"
+      "with four times the pixels. Images are in memory, and the detectors have processed some pairs before.\n"
+      "All contestants run in turns, detectors five pairs in a row. Prints the median and the quartiles, in\n"
+      "milliseconds.\n"
       "\nExamples:\n"
       "  flies bench\n"
       "  flies bench left.png right.png --calib calib.txt --runs 31 --json times.json\n"
-      "\nExit status: 0 done; 2 a fault in the input or the command line, told in one line.");
+      "\nExit status: 0 done; 2 an error in the input or the command line, reported in one line.");
   command->callback([arguments] { run_bench_command(*arguments); });
 }

@@ -96,7 +96,7 @@ std::string table(const flies::Calibration& calibration, const CalibArguments& a
   line("images", calibration.rectifier ? "raw, rectified first" : "rectified");
   line("image size", camera.width_px > 0 ? fmt::format("{} x {} px", camera.width_px, camera.height_px)
                                          : "not in the file; taken from the images");
-  line("focal length", fmt::format("{:.3f} px across, {:.3f} px down", camera.fx_px, camera.fy_px));
+  line("focal length", fmt::format("{:.3f} px horizontally, {:.3f} px vertically", camera.fx_px, camera.fy_px));
   line("principal point", fmt::format("({:.3f}, {:.3f}) px", camera.cx_px, camera.cy_px));
   if (camera.cx_right_px != camera.cx_px)
     line("  of the right image", fmt::format("({:.3f}, {:.3f}) px", camera.cx_right_px, camera.cy_px));
@@ -109,7 +109,7 @@ std::string table(const flies::Calibration& calibration, const CalibArguments& a
   const auto across_deg = field_of_view_deg(camera.fx_px, camera.cx_px, camera.width_px);
   const auto down_deg = field_of_view_deg(camera.fy_px, camera.cy_px, camera.height_px);
   line("field of view", across_deg && down_deg
-                            ? fmt::format("{:.1f} deg across, {:.1f} deg down", *across_deg, *down_deg)
+                            ? fmt::format("{:.1f} deg horizontally, {:.1f} deg vertically", *across_deg, *down_deg)
                             : "not known without the image size");
   line("range at 1 px disparity", fmt::format("{:.1f} m", depth_at_one_pixel_m(camera)));
   line("range error (1 sd)", deviations(camera));
@@ -174,8 +174,8 @@ std::string right_path_of(const std::string& left) {
   const auto at = name.rfind("left");
   if (at == std::string::npos)
     throw flies::InputError(left, "file name",
-                            "has no 'left' in it; ROS has a file for each camera, and that of the right one is named "
-                            "so (--output left.yaml)");
+                            "has no 'left' in it: ROS has one file per camera, and the name of the right one is made "
+                            "from that of the left one (--output left.yaml)");
   name.replace(at, std::string_view("left").size(), "right");
   return (path.parent_path() / name).string();
 }
@@ -184,11 +184,11 @@ std::string right_path_of(const std::string& left) {
 std::vector<std::string> losses(const flies::Calibration& calibration, flies::CalibrationSyntax syntax) {
   std::vector<std::string> notes;
   if (syntax != flies::CalibrationSyntax::yaml && (calibration.has_height || calibration.has_pitch))
-    notes.emplace_back("height, pitch and roll of the camera have no place in this format");
+    notes.emplace_back("this format cannot hold height, pitch and roll of the camera");
   if (syntax == flies::CalibrationSyntax::kitti && calibration.camera.width_px > 0)
-    notes.emplace_back("the size of the images has no place in this format");
+    notes.emplace_back("this format cannot hold the size of the images");
   if (syntax == flies::CalibrationSyntax::ros && calibration.rectifier)
-    notes.emplace_back("the files are of raw images: read them with --raw");
+    notes.emplace_back("the files describe raw images: read them with --raw");
   return notes;
 }
 
@@ -203,7 +203,7 @@ void convert(const flies::Calibration& calibration, const CalibArguments& argume
   const auto syntax = syntax_of(arguments.format);
   const bool is_ros = syntax == flies::CalibrationSyntax::ros;
   if (is_ros && arguments.output.empty())
-    throw flies::InputError("--write", "ros", "makes two files; say where: --output left.yaml");
+    throw flies::InputError("--write", "ros", "writes two files: name the one of the left camera (--output left.yaml)");
   check_outputs(arguments, is_ros);
   const auto texts = flies::calibration_texts(calibration, syntax, arguments.file);
   if (is_ros) {
@@ -241,8 +241,8 @@ void setup_calib(CLI::App& app) {
                       "second file: the right camera of a ROS pair, or OpenCV's other half (intrinsics beside "
                       "extrinsics)");
   add_cameras_option(*command, arguments->camera,
-                     "left and right camera, of KITTI (default 2,3), Kalibr, DepthAI, DSEC, Basalt");
-  command->add_option("--size", arguments->size_px, "of the images: where the file has none, or is for another")
+                     "left and right camera in a file of KITTI (default 2,3), Kalibr, DepthAI, DSEC or Basalt");
+  command->add_option("--size", arguments->size_px, "size of the images, where the file gives none or another one")
       ->delimiter(',')
       ->expected(2)
       ->check(in_range(1, 100000))
@@ -253,7 +253,10 @@ void setup_calib(CLI::App& app) {
   add_baseline_option(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   command->add_option("--write", arguments->format, "convert to: kitti, opencv, ros, yaml")->type_name("FORMAT");
-  command->add_option("--output", arguments->output, "where to; else standard output. ros: left.yaml")
+  command
+      ->add_option("--output", arguments->output,
+                   "file to write, default standard output; ros writes one file per camera: name that of the left one, "
+                   "e.g. left.yaml")
       ->type_name("FILE");
   command->add_flag("--json", arguments->json, "print JSON instead of a table");
   command->footer(

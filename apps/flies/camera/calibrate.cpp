@@ -61,7 +61,7 @@ flies::Board board_of(const CalibrateArguments& arguments) {
       static_cast<std::size_t>(end) != arguments.size.size())
     throw flies::InputError("--board", arguments.size, "expected columns x rows, e.g. 9x6");
   if (board.square_m == 0.0)
-    throw flies::InputError("--square", "", "is missing: the side of a square (a tag), metres");
+    throw flies::InputError("--square", "", "is missing: give the side of a square (or tag), metres");
   flies::check_board(board);
   return board;
 }
@@ -77,7 +77,7 @@ const flies::BoardTools& tools_for(const CalibrateArguments& arguments, const fl
   const auto& tools = flies::board_tools();
   if (board.kind != flies::BoardKind::chessboard && !tools.has_markers())
     throw flies::InputError("--kind", arguments.kind,
-                            "needs OpenCV's aruco, which was missing when this was built; allowed: chessboard");
+                            "needs OpenCV's aruco module, which this build lacks; allowed: chessboard");
   return tools;
 }
 
@@ -141,10 +141,10 @@ SeenBoards find_boards(const CalibrateArguments& arguments, const flies::Board& 
   if (reason != kNoBoard)
     throw flies::InputError(
         arguments.images.left, "",
-        fmt::format("none of {} pairs shows a board, for most cannot be used: {}", paths.size(), reason));
+        fmt::format("none of {} pairs shows a board, and most of them cannot be used: {}", paths.size(), reason));
   throw flies::InputError(arguments.images.left, "board",
-                          fmt::format("is in none of {} pairs: is it a {} of {}? Of a chessboard the inner corners are "
-                                      "counted, and all must be in both images",
+                          fmt::format("was found in none of {} pairs: is it a {} of {}? On a chessboard count the "
+                                      "inner corners; all of them must be visible in both images",
                                       paths.size(), arguments.kind, arguments.size));
 }
 
@@ -186,7 +186,7 @@ std::string table(const flies::RigReport& report) {
   line("focal length", fmt::format("{:.2f} px left, {:.2f} px right, {:.2f} px rectified", solution.raw.left.matrix[0],
                                    solution.raw.right.matrix[0], camera.fx_px));
   line("field of view",
-       fmt::format("{:.1f} deg across, {:.1f} deg down", field_of_view_deg(camera.fx_px, camera.width_px),
+       fmt::format("{:.1f} deg horizontally, {:.1f} deg vertically", field_of_view_deg(camera.fx_px, camera.width_px),
                    field_of_view_deg(camera.fy_px, camera.height_px)));
   std::string deviations;
   for (const double range_m : kTold_m)
@@ -253,7 +253,7 @@ void run_calibrate(const CalibrateArguments& arguments) {
     return;
   }
   if (arguments.output.empty())
-    throw flies::InputError("--output", "", "is missing: the file that the calibration goes to");
+    throw flies::InputError("--output", "", "is missing: give the file to write the calibration to");
   const auto board = board_of(arguments);
   const auto lens = lens_of(arguments);
   const auto paths = arguments.is_living ? std::vector<flies::PairPaths>{} : pairs_of(arguments.images);
@@ -271,53 +271,60 @@ void run_calibrate(const CalibrateArguments& arguments) {
 }  // namespace
 
 void setup_calibrate(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("calibrate", "two cameras from pairs that show a board");
+  CLI::App* command = app.add_subcommand("calibrate", "calibrate two cameras from pairs that show a calibration board");
   const auto arguments = std::make_shared<CalibrateArguments>();
   add_pair_options(*command, arguments->images);
   command
       ->add_option("--board", arguments->size,
-                   "columns x rows; chessboard: of inner corners, charuco: of squares, aprilgrid: of tags (9x6)")
+                   "columns x rows of the board: inner corners of a chessboard, squares of a charuco board, tags of an "
+                   "aprilgrid; default 9x6")
       ->type_name("CxR");
   command->add_option("--kind", arguments->kind, "chessboard (default), charuco or aprilgrid")->type_name("NAME");
-  command->add_option("--square", arguments->board.square_m, "side of a square, or of a tag, metres")->type_name("M");
+  command->add_option("--square", arguments->board.square_m, "side of a square or tag, metres")->type_name("M");
   command->add_option("--marker", arguments->board.marker_m, "charuco: side of a marker; aprilgrid: gap between tags")
       ->type_name("M");
-  command->add_option("--dictionary", arguments->board.dictionary, "charuco: of its markers (4x4_50)")
+  command->add_option("--dictionary", arguments->board.dictionary, "charuco: dictionary of its markers; default 4x4_50")
       ->type_name("NAME");
   command->add_option("--lens", arguments->lens, "pinhole (default) or fisheye")->type_name("NAME");
-  auto* const live = command->add_flag(
-      "--live", arguments->is_living,
-      "LEFT and RIGHT are cameras or films as `flies live` takes them, or LEFT is one of both images; views "
-      "are taken while you hold the board");
-  command->add_option("--views", arguments->living.views, "--live: as many are enough (20)")
+  auto* const live = command->add_flag("--live", arguments->is_living,
+                                       "LEFT and RIGHT are cameras or films, as for `flies live`, or LEFT alone gives "
+                                       "both images; views are taken while you hold the board");
+  command->add_option("--views", arguments->living.views, "--live: end after this many views; default 20")
       ->check(in_range(5, 1000).description(""))
       ->needs(live)
       ->type_name("N");
-  command->add_option("--size", arguments->living.size_px, "--live: picture size to ask a camera for, of both together")
+  command
+      ->add_option("--size", arguments->living.size_px,
+                   "--live: picture size to ask the camera for, both pictures together")
       ->delimiter(',')
       ->expected(2)
       ->check(in_range(16, 100000).description(""))
       ->needs(live)
       ->type_name("W,H");
-  command->add_option("--check", arguments->check, "no board: does this calibration still fit the rig?")
+  command
+      ->add_option("--check", arguments->check,
+                   "do not calibrate, but check with any scene whether this calibration still fits the cameras")
       ->type_name("FILE");
-  command->add_option("--output", arguments->output, "the calibration, which detect reads")
+  command->add_option("--output", arguments->output, "calibration file to write; every command reads it")
       ->type_name("FILE")
       ->group("Output");
-  command->add_option("--picture", arguments->picture, "corners over both images, and where none are")
+  command
+      ->add_option("--picture", arguments->picture,
+                   "picture of where in both images corners were found, and where none were")
       ->type_name("PNG")
       ->group("Output");
   command->add_option("--json", arguments->json, "errors of all views and corners; - is standard output")
       ->type_name("FILE")
       ->group("Output");
   command->footer(
-      "\nTen to twenty pairs are enough: hold the board near and far, into all corners of both images, and turn\n"
-      "each of its sides away once. Blurred views and those that do not fit the others are left out and named.\n"
+      "\nTen to twenty pairs are enough: hold the board near and far and in all corners of both images, and\n"
+      "tilt each of its sides away from the cameras once. Views that are blurred or do not fit the others are\n"
+      "left out and named.\n"
       "\nExamples:\n"
       "  flies calibrate left right --board 9x6 --square 0.025 --output rig.yml --picture coverage.png\n"
       "  flies calibrate both --split side --kind charuco --board 8x6 --square 0.04 --marker 0.03 --output rig.yml\n"
       "  flies calibrate 0 --live --size 2560,720 --board 9x6 --square 0.025 --output rig.yml\n"
       "  flies calibrate left.png right.png --check rig.yml\n"
-      "\nExit status: 0 done; 2 a fault in the input, or no calibration can be told from it.");
+      "\nExit status: 0 done; 2 an error in the input, or images that do not suffice for a calibration.");
   command->callback([arguments] { run_calibrate(*arguments); });
 }

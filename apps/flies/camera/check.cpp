@@ -85,7 +85,8 @@ std::vector<std::string> notes_on_each(const CalibratedRun& run) {
   }
   auto notes = watch.counts();
   if (!faults.empty())
-    notes.push_back(fmt::format("{} of {} pairs: cannot be used; the first: {}", faults.size(), count, faults.front()));
+    notes.push_back(
+        fmt::format("{} of {} pairs cannot be used; the first error: {}", faults.size(), count, faults.front()));
   return notes;
 }
 
@@ -172,14 +173,14 @@ std::string table(const Checked& checked) {
   const auto& d = checked.diagnosis();
   std::string text;
   const auto line = [&](const char* name, const std::string& value) { text += fmt::format("{:<24}{}\n", name, value); };
-  line("pairs", fmt::format("{}, of which up to 5 are looked at closely", checked.run.paths.size()));
+  line("pairs", fmt::format("{}, of which up to 5 are examined closely", checked.run.paths.size()));
   line("something to match", fmt::format("in {:.0f} % of the left image", 100.0 * d.textured_share));
   line("found on their row", fmt::format("{:.0f} % of {} places (32 % and more in good pairs of streets)",
                                          100.0 * d.matched_share(), d.evidence.patches));
   line("beyond infinity",
        fmt::format("{:.0f} % of those found (none, if the calibration is right)", 100.0 * d.beyond_share()));
-  line("noise", fmt::format("{:.1f} grey levels, beside {:.1f} by which the scene varies", d.noise.noise_gray,
-                            d.noise.contrast_gray));
+  line("noise",
+       fmt::format("{:.1f} grey levels, while the scene varies by {:.1f}", d.noise.noise_gray, d.noise.contrast_gray));
   line("rows", d.rows
                    ? fmt::format("{:+.2f} px lower in the right image, {:+.2f} and {:+.2f} px at the sides; {} corners "
                                  "agree, scatter {:.2f} px",
@@ -190,8 +191,8 @@ std::string table(const Checked& checked) {
     line("size", fmt::format("the right image {:+.1f} % larger than the left one", 100.0 * d.rows->growth));
   if (const auto& [shift, pairs] = checked.shift; shift)
     line("disparities",
-         fmt::format("{:.1f} px too {} by how corners move ({} pairs, which differ by {:.1f} px)", std::abs(shift->px),
-                     shift->px < 0.0 ? "large" : "small", pairs, shift->deviation_px));
+         fmt::format("{:.1f} px too {}, judged by how corners move ({} pairs, which differ by {:.1f} px)",
+                     std::abs(shift->px), shift->px < 0.0 ? "large" : "small", pairs, shift->deviation_px));
   line("road", d.road_found ? "found" : "not found");
   const auto& mount = checked.mount().mount;
   line("camera", fmt::format("{:.2f} m above the road, {}: {}", mount.height_m, flies::tilt_words(mount),
@@ -251,7 +252,7 @@ void run_check(const CheckArguments& arguments) {
 std::string fit_of_rig(const CheckArguments& arguments) {
   const Checked checked = check(arguments);
   const auto& rows = checked.diagnosis().rows;
-  if (!rows) return "cannot be told: too few corners are seen in both images";
+  if (!rows) return "cannot be checked: too few corners are seen in both images";
   constexpr double kMost_px = 0.5;  // farther apart, recall suffers
   const double worst_px =
       std::max({std::abs(rows->offset_px), std::abs(rows->at(0.0)), std::abs(rows->at(2.0 * rows->middle_u_px))});
@@ -271,7 +272,9 @@ void setup_check(CLI::App& app) {
   command->add_option("--calib", arguments->calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE")
       ->required();
-  add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
+  add_cameras_option(
+      *command, arguments->camera,
+      "left and right camera of a KITTI calibration, e.g. 0,1; default: those in the image paths, or else 2,3");
   add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   command->add_flag("--json", arguments->json, "the same as JSON")->group("Output");
@@ -281,14 +284,15 @@ void setup_check(CLI::App& app) {
       ->type_name("PNG")
       ->group("Output");
   command->footer(
-      "\nLooks at how much of the images can be matched at all, how much of the left one is found on the same\n"
-      "row of the right one, whether anything would lie beyond infinity, by how much the rows lie apart, and\n"
-      "whether the road is where the mount of the camera says, and if not, where it is; where pairs follow\n"
-      "each other and the camera moves, whether all disparities are too small or too large, as of cameras\n"
-      "that are turned against each other. Says what to do about what is not as it should be.\n"
+      "\nMeasures how much of the images can be matched at all, how much of the left one is found on the same\n"
+      "row of the right one, whether anything would lie beyond infinity (negative disparity), how far the rows\n"
+      "of left and right lie apart, and whether the road is where the mount of the camera says, or else where\n"
+      "it is. If the pairs are a sequence from a moving camera, it also finds whether all disparities are too\n"
+      "small or too large, as from cameras that are turned against each other. For everything that is wrong\n"
+      "it says what to do.\n"
       "\nExamples:\n"
       "  flies check left.png right.png --calib calib.yaml --picture rows.png\n"
       "  flies check image_00/data image_01/data --calib calib_cam_to_cam.txt --json\n"
-      "\nExit status: 0 done, also when there is something to check; 2 a fault in the input, told in one line.");
+      "\nExit status: 0 done, also when there is something to check; 2 an error in the input, reported in one line.");
   command->callback([arguments] { run_check(*arguments); });
 }

@@ -38,8 +38,8 @@ SeenBoards watch_boards(const LivingBoards& living, const flies::PairReading& re
   ask_before_ending_on_signals();
   flies::PairStream stream(stream_request(living, reading), [](const std::string& sentence) { say_notes({sentence}); });
   say_notes(
-      {fmt::format("hold the board still, here and there, near and far and aslant; Ctrl-C when it is enough, or {} "
-                   "views are",
+      {fmt::format("hold the board still in many places, near and far, and tilt it; this ends after {} views, or by "
+                   "Ctrl-C when you have enough",
                    living.views)});
   SeenBoards seen;
   flies::ViewPicker picker(0);

@@ -64,7 +64,7 @@ void OwnCalibration::read(const flies::RecordedMessage& message, const std::stri
       has_right_ = true;
     }
   } catch (const Json::exception&) {
-    throw flies::InputError(path, message.topic, "a message is not what its schema says");
+    throw flies::InputError(path, message.topic, "a message does not match its schema");
   }
 }
 
@@ -80,7 +80,7 @@ flies::Calibration OwnCalibration::calibration(const CameraArguments& arguments,
   calibration.format = "recording";
   calibration.has_height = calibration.has_pitch = has_mount_;
   if (!has_mount_)
-    calibration.notes.push_back({fmt::format("{} where the camera sits; the default mount is assumed",
+    calibration.notes.push_back({fmt::format("{} how the camera is mounted; the default mount is assumed",
                                              has_unreadable_mount_ ? "is damaged where it says" : "does not say"),
                                  flies::CalibrationNoteKind::mount});
   if (arguments.baseline_m) flies::detail::override_baseline(*arguments.baseline_m, path, calibration);

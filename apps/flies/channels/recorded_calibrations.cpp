@@ -63,7 +63,7 @@ void RecordedCalibrations::read_foxglove(const flies::RecordedMessage& message, 
     fill(info.rectification, json, "R", name);
     fill(info.projection, json, "P", name);
   } catch (const Json::exception&) {
-    throw flies::InputError(name, "", "a message is not what its schema says");
+    throw flies::InputError(name, "", "a message does not match its schema");
   }
   add(std::move(info));
 }
@@ -102,7 +102,7 @@ std::optional<std::string> RecordedCalibrations::change_note(const std::string& 
   if (found == by_topic_.end() || !found->second.other) return std::nullopt;
   const auto& [first, other] = found->second;
   return fmt::format(
-      "{} changes in mid-recording: {} (focal length {:g} px, then {:g} px); the first counts for all pairs, and the "
-      "ranges of later ones may be wrong",
+      "{} changes during the recording: {} (focal length {:g} px, then {:g} px); the first is used for all pairs, and "
+      "the ranges of later ones may be wrong",
       topic, fmt::join(differences(first, *other), ", "), first.projection[0], other->projection[0]);
 }

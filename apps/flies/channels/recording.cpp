@@ -109,7 +109,7 @@ void Recording::read_all() {
   if (!pictures_.empty()) return;
   if (damaged_) throw flies::InputError(damaged_->first);
   if (!faults_.empty()) throw flies::InputError(faults_.begin()->second.first);
-  complain(unread_.empty() ? "holds no pictures" : "holds no pictures that are read" + unread_topics());
+  complain(unread_.empty() ? "holds no pictures" : "holds no pictures that can be read" + unread_topics());
 }
 
 /// The next message behind what is damaged.
@@ -128,7 +128,7 @@ bool Recording::is_whole() const { return reader_->is_whole() && !damaged_; }
 
 /// @throws InputError saying first that the file is not whole, if so
 void Recording::complain(const std::string& what) const {
-  throw flies::InputError(path_, "", is_whole() ? what : "is cut off or damaged, and what is whole of it " + what);
+  throw flies::InputError(path_, "", is_whole() ? what : "is cut off or damaged, and the intact part of it " + what);
 }
 
 void Recording::read_or_pass_over(const flies::RecordedMessage& message) {
@@ -195,8 +195,8 @@ std::string Recording::unread_topics() const {
   std::vector<std::string> names;
   for (const auto& [topic, count] : unread_) names.push_back(fmt::format("{}: {}", topic, count));
   return fmt::format(
-      "; there are some of kinds that are not read: {}; read are Image and CompressedImage of ROS, and Foxglove's "
-      "CompressedImage in JSON",
+      "; it holds some of types that flies does not read: {}; flies reads Image and CompressedImage of ROS, and "
+      "Foxglove's CompressedImage in JSON",
       fmt::join(names, ", "));
 }
 
@@ -218,15 +218,16 @@ void Recording::choose_topics(const std::optional<std::array<std::string, 2>>& t
     right_ = found->right;
     if (found->is_by_number)
       notes_.push_back(
-          fmt::format("{}: no topic says left or right: {} is taken for the left one, {} for the right one; "
-                      "--topics LEFT,RIGHT says otherwise",
+          fmt::format("{}: no topic name says left or right: {} is taken as the left one, {} as the right one; choose "
+                      "others with --topics LEFT,RIGHT",
                       path_, left_, right_));
     return;
   }
-  if (names.size() < 2) complain("holds no pair, for that takes pictures of two topics; " + picture_topics());
+  if (names.size() < 2) complain("holds no pairs, which need pictures of two topics; " + picture_topics());
   throw flies::InputError(
       path_, "",
-      "cannot tell the left pictures from the right ones; name two topics by --topics LEFT,RIGHT; " + picture_topics());
+      "cannot tell the left pictures from the right ones; name two topics with --topics LEFT,RIGHT; " +
+          picture_topics());
 }
 
 /// Two pictures are a pair when each is the nearest to the other, as images of two folders are.
@@ -258,13 +259,13 @@ void Recording::note_losses(const std::string& topic) {
     notes_.push_back(fmt::format("{}: {} pictures of {} have no partner", path_, alone, topic));
   if (const auto found = replaced_.find(topic); found != replaced_.end())
     notes_.push_back(
-        fmt::format("{}: {} pictures of {} are left out: later ones have their times", path_, found->second, topic));
+        fmt::format("{}: {} pictures of {} are left out: later ones have the same times", path_, found->second, topic));
   if (const auto found = mosaics_.find(topic); found != mosaics_.end())
-    notes_.push_back(fmt::format("{}: pictures of {} are mosaics of colours ({}), which grey is made of", path_, topic,
+    notes_.push_back(fmt::format("{}: pictures of {} are Bayer mosaics ({}) and are converted to grey", path_, topic,
                                  found->second));
   if (const auto found = faults_.find(topic); found != faults_.end())
-    notes_.push_back(fmt::format("{}: {} messages of {} are left out: they cannot be read; the first: {}", path_,
-                                 found->second.count, topic, found->second.first.what()));
+    notes_.push_back(fmt::format("{}: {} messages of {} are left out, because they cannot be read; the first error: {}",
+                                 path_, found->second.count, topic, found->second.first.what()));
 }
 
 double Recording::time_s(std::size_t pair) const {
@@ -298,11 +299,11 @@ const flies::RosCameraInfo& Recording::camera_info(const std::string& topic) con
   if (const auto* found = calibrations_.find(topic)) return *found;
   throw_fault_of(topic);
   const auto names = calibrations_.topics();
-  throw flies::InputError(path_, topic,
-                          fmt::format("is missing{}, so the calibration is not known; give it by --calib; topics with "
-                                      "a calibration: {}",
-                                      is_whole() ? "" : " from what is whole of the file, which is cut off or damaged",
-                                      names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+  throw flies::InputError(
+      path_, topic,
+      fmt::format("is missing{}, so the calibration is not known; give it with --calib; topics with a calibration: {}",
+                  is_whole() ? "" : " from the intact part of the file, which is cut off or damaged",
+                  names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
 /// Whether `flies live` wrote it.

@@ -189,12 +189,12 @@ void run_detect(const DetectArguments& arguments) {
   }
   lines.commit();
   if (faults.size() == pairs.size())
-    throw flies::InputError(arguments.images.left, "", "no pair could be used; the first: " + faults.front());
+    throw flies::InputError(arguments.images.left, "", "no pair could be used; the first error: " + faults.front());
   say_notes(is_single ? run.notes(arguments.calib) : watch.counts());
   if (near) say_notes({pairs.front().left + ": " + *near});
   if (!faults.empty())
     throw flies::InputError(arguments.images.left, fmt::format("{} of {} pairs", faults.size(), pairs.size()),
-                            "could not be used, the others were; the first: " + faults.front());
+                            "could not be used, the others were; the first error: " + faults.front());
 }
 
 void add_input_options(CLI::App& command, DetectArguments& arguments) {
@@ -202,7 +202,9 @@ void add_input_options(CLI::App& command, DetectArguments& arguments) {
   command.add_option("--calib", arguments.calib, "calibration of the pair; see `flies calib --help`")
       ->type_name("FILE")
       ->required();
-  add_cameras_option(command, arguments.camera, "KITTI cameras, e.g. 0,1; else by image path, else 2,3");
+  add_cameras_option(
+      command, arguments.camera,
+      "left and right camera of a KITTI calibration, e.g. 0,1; default: those in the image paths, or else 2,3");
   add_calibration_options(command, arguments.camera);
   add_mount_options(command, arguments.camera);
   add_correction_options(command, arguments.corrections);
@@ -212,15 +214,17 @@ void add_output_options(CLI::App& command, DetectOutputs& outputs) {
   const auto add = [&](const char* name, std::string& path, const char* meaning, const char* type) {
     command.add_option(name, path, meaning)->type_name(type)->group("Output");
   };
-  add("--json", outputs.json, "one JSON object a line, a line a pair; - is standard output", "FILE");
-  add("--csv", outputs.csv, "one line an obstacle or pedestrian; - is standard output", "FILE");
-  add("--scan", outputs.scan, "one line a sector of the scan; - is standard output", "FILE");
+  add("--json", outputs.json, "one JSON object per line, one line per pair; - is standard output", "FILE");
+  add("--csv", outputs.csv, "one line per obstacle or pedestrian; - is standard output", "FILE");
+  add("--scan", outputs.scan, "one line per sector of the scan; - is standard output", "FILE");
   add("--ply", outputs.ply, "flies as a point cloud, coloured by fitness", "FILE");
   add("--overlay", outputs.overlay, "boxes and ranges on the left image, free road in green", "PNG");
   add("--top-view", outputs.top_view, "bird's-eye view of obstacles and free ground, in metres", "PNG");
   add("--flies", outputs.flies, "random flies coloured by fitness, Eq. (1) and Eq. (2)", "PNG");
-  add("--histogram", outputs.histogram, "view-angle of the nearest pedestrian, else obstacle: fitness over x", "PNG");
-  add("--concentrating", outputs.concentrating, "sample points, objects kept, boxes to classify", "PNG");
+  add("--histogram", outputs.histogram,
+      "fitness over x in the view-angle of the nearest pedestrian, or else of the nearest obstacle", "PNG");
+  add("--concentrating", outputs.concentrating,
+      "steps of concentrating: sample points, objects kept, boxes to classify", "PNG");
 }
 
 }  // namespace
@@ -234,16 +238,17 @@ void setup_detect(CLI::App& app) {
   command->footer(
       "\nImages are PNG, JPEG, PGM, PPM, TIFF, WebP or BMP, grey or colour. Every option of the method can be\n"
       "given by its dotted name, e.g. --evolve.flies 3000; `flies config --list` prints them all with their\n"
-      "range, default and meaning. The preset is overruled by --options FILE, and that by the command line.\n"
-      "Without output options a table is printed. On folders, files written per pair carry the name of the\n"
-      "left image: --overlay found.png writes found_0000000012.png. Files appear when they are complete;\n"
+      "range, default and meaning. --options FILE overrides the preset, and the command line overrides both.\n"
+      "Without output options a table is printed. For folders, files that are written per pair get the name of\n"
+      "the left image: --overlay found.png writes found_0000000012.png. Files appear when they are complete;\n"
       "an interrupted run keeps the finished lines of --json, --csv and --scan. In folders, a pair that\n"
-      "cannot be used gets a line in --json with its error, and the run ends with status 2 after the others.\n"
+      "cannot be used gets a line in --json with its error; the others are still processed, and the run ends\n"
+      "with status 2.\n"
       "\nExamples:\n"
       "  flies detect left.png right.png --calib calib.txt\n"
       "  flies detect image_00/data image_01/data --calib calib_cam_to_cam.txt --json found.jsonl\n"
       "  flies detect left.png right.png --calib calib.txt --overlay found.png --top-view above.png\n"
       "  flies detect both.png --split side --calib calib.txt\n"
-      "\nExit status: 0 done, also when nothing was found; 2 a fault in the input, told in one line.");
+      "\nExit status: 0 done, also when nothing was found; 2 an error in the input, reported in one line.");
   command->callback([arguments] { run_detect(*arguments); });
 }

@@ -261,25 +261,27 @@ void run_evaluate(const EvaluateArguments& arguments) {
 void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
   command
       .add_option("TRUTH", arguments.folder,
-                  "KITTI drive, object or stereo folder, result of flies synth, or foot points of people")
+                  "folder with truth: a KITTI drive, object or stereo folder, a result of flies synth, or foot points "
+                  "of people")
       ->required();
-  add_cameras_option(command, arguments.camera, "of a KITTI drive, e.g. 2,3; else 0,1 when there, else 2,3");
-  command.add_option("--calib", arguments.calib, "calibration, where the folder holds none")->type_name("FILE");
+  add_cameras_option(command, arguments.camera,
+                     "left and right camera of a KITTI drive, e.g. 2,3; default: 0,1 if it has them, or else 2,3");
+  command.add_option("--calib", arguments.calib, "calibration file, where the folder holds none")->type_name("FILE");
   add_baseline_option(command, arguments.camera);
   add_mount_options(command, arguments.camera);
   add_correction_options(command, arguments.corrections);
   command
       .add_option("--unlabelled", arguments.unlabelled,
-                  "people who are real but not labelled, to be ignored: name,left,top,width,height a line")
+                  "people who are real but not labelled, and are ignored: one per line, name,left,top,width,height")
       ->type_name("FILE");
   constexpr int kMostPairs = 1'000'000'000;
-  command.add_option("--start", arguments.start, "first pair, from 0")
+  command.add_option("--start", arguments.start, "first pair, counted from 0")
       ->check(in_range(0, kMostPairs).description(""))
       ->type_name("N");
-  command.add_option("--end", arguments.end, "pair to stop before, from 0; else all")
+  command.add_option("--end", arguments.end, "pair to stop before, counted from 0; default: all pairs")
       ->check(in_range(1, kMostPairs).description(""))
       ->type_name("N");
-  command.add_option("--step", arguments.step, "every so many pairs")
+  command.add_option("--step", arguments.step, "use only every Nth pair")
       ->check(in_range(1, kMostPairs).description(""))
       ->type_name("N");
 }
@@ -292,19 +294,20 @@ void setup_evaluate(CLI::App& app) {
   add_truth_options(*command, *arguments);
   command
       ->add_option("--detections", arguments->detections,
-                   "JSON Lines of any program instead of detecting now; given again: another run")
+                   "evaluate results that any program wrote as JSON Lines, instead of detecting now; give it again for "
+                   "another run")
       ->allow_extra_args(false)
       ->type_name("FILE");
   add_method_options(*command, arguments->method);
-  command->add_option("--seeds", arguments->seeds, "runs with seeds from --seed upwards, default 5")
+  command->add_option("--seeds", arguments->seeds, "number of runs, with seeds from --seed upwards; default 5")
       ->check(in_range(1, 10000))
       ->type_name("N")
       ->group("Method");
   command
       ->add_option("--yardstick", arguments->yardsticks,
-                   "measured in the same run: sgbm, sgbm-3way (OpenCV's dense matching), hog-48x96, hog-64x128 "
-                   "(OpenCV's search of the whole image for people), network:NAME.weights (a network of Darknet, "
-                   "NAME.cfg beside it, on the whole image), or a preset")
+                   "compare with these in the same run: sgbm, sgbm-3way (OpenCV's dense matching), hog-48x96, "
+                   "hog-64x128 (OpenCV's search of the whole image for people), network:NAME.weights (a Darknet "
+                   "network, with NAME.cfg beside it, on the whole image), or a preset")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("LIST")
@@ -319,19 +322,19 @@ void setup_evaluate(CLI::App& app) {
   add_listed_options<flies::TrackerOptions>(*command, "", "Measuring", arguments->tracker);
   auto* const follow = command->add_flag_callback(
       "--sequence", [arguments] { arguments->sequence = true; },
-      "follow the pairs as one sequence and measure tracks; default where times and motion are known");
+      "follow the pairs as one sequence and measure its tracks, too; default where times and motion are known");
   command
       ->add_flag_callback(
-          "--no-sequence", [arguments] { arguments->sequence = false; }, "measure the pairs one by one alone")
+          "--no-sequence", [arguments] { arguments->sequence = false; }, "measure the pairs one by one only")
       ->excludes(follow)
       ->group("Method");
   follow->group("Method");
-  command->add_flag("--missed", arguments->missed, "list what was missed and, of people, false alarms, pair by pair")
+  command->add_flag("--missed", arguments->missed, "list, pair by pair, what was missed, and false alarms on people")
       ->group("Output");
-  command->add_option("--plot", arguments->plot, "people: miss rate over false alarms a pair, as PNG")
+  command->add_option("--plot", arguments->plot, "PNG of the miss rate of people over false alarms per pair")
       ->type_name("FILE")
       ->group("Output");
-  command->add_option("--scan-plot", arguments->scan_plot, "the scan: blind over ghost sectors, as PNG")
+  command->add_option("--scan-plot", arguments->scan_plot, "PNG of blind over ghost sectors of the scan")
       ->type_name("FILE")
       ->group("Output");
   command->add_option("--json", arguments->json, "all numbers as JSON; - is standard output, without the table")
@@ -339,7 +342,7 @@ void setup_evaluate(CLI::App& app) {
       ->group("Output");
   command->footer(
       "\nThe kind of truth is recognised from the folder's content; docs/evaluation.md describes each\n"
-      "kind, the measures and the JSON. Times are those of one pair after another. --start 0 --step 2\n"
+      "kind, the measures and the JSON. Times are measured with one pair after another. --start 0 --step 2\n"
       "takes the even pairs, --start 1 --step 2 the odd ones, --end 30 the first thirty.\n"
       "\nExamples:\n"
       "  flies evaluate data/kitti_raw/2011_09_26/2011_09_26_drive_0005_sync --yardstick sgbm,sgbm-3way\n"
@@ -348,6 +351,6 @@ void setup_evaluate(CLI::App& app) {
       "  flies evaluate street --detections found.jsonl\n"
       "  flies evaluate data/kitti_stereo2012 --start 1 --step 2 --yardstick sgbm-3way\n"
       "  flies evaluate data/eth_bahnhof/rectified --camera-height 0.98 --yardstick hog-48x96 --missed\n"
-      "\nExit status: 0 done, 2 a fault in the input, told in one line.");
+      "\nExit status: 0 done, 2 an error in the input, reported in one line.");
   command->callback([arguments] { run_evaluate(*arguments); });
 }

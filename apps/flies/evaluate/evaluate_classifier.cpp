@@ -125,14 +125,15 @@ void run_evaluate_classifier(const ClassifierArguments& arguments) {
 }  // namespace
 
 void setup_evaluate_classifier(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("evaluate-classifier", "measure people models on windows, side by side");
+  CLI::App* command = app.add_subcommand("evaluate-classifier", "compare people models on image windows");
   const auto arguments = std::make_shared<ClassifierArguments>();
   command->add_option("MODEL", arguments->models, "people models: names that `flies info` lists, files or networks")
       ->required()
       ->type_name("NAME|FILE");
   command
       ->add_option("--data", arguments->data,
-                   "folder with positives (a window a picture, sub-folders are sets) and negatives (pictures)")
+                   "folder with positives (pictures of one window each; sub-folders are sets) and negatives (pictures "
+                   "without people)")
       ->required()
       ->type_name("DIR");
   command->add_option("--threads", arguments->threads, "worker threads, 0 for one per core; default 1")
@@ -148,11 +149,11 @@ void setup_evaluate_classifier(CLI::App& app) {
       ->group("Output");
   command->add_option("--plot", arguments->plot, "the DET curves as PNG")->type_name("FILE")->group("Output");
   command->footer(
-      "\nA window with a person is 1:2, the person 3/4 of its height, in the middle: 96 px of 64 x 128.\n"
-      "Windows without people are drawn at random from the pictures without people, the same for every\n"
-      "model. All are scaled to the model's size. docs/evaluation.md describes the measures and the JSON.\n"
+      "\nA window with a person is twice as high as wide, and the person in its middle fills 3/4 of its height:\n"
+      "96 px of 64 x 128. Windows without people are drawn at random from the pictures without people, the same\n"
+      "for every model. All are scaled to the model's size. docs/evaluation.md describes the measures and the JSON.\n"
       "\nExample:\n"
       "  flies evaluate-classifier opencv-48x96 mine.json --data data/people/test --html models.html\n"
-      "\nExit status: 0 done, 2 a fault in the input, told in one line.");
+      "\nExit status: 0 done, 2 an error in the input, reported in one line.");
   command->callback([arguments] { run_evaluate_classifier(*arguments); });
 }

@@ -135,6 +135,6 @@ void setup_reproduce(CLI::App& app) {
       "\nExamples:\n"
       "  flies reproduce\n"
       "  flies reproduce --kitti data/kitti_raw/2011_09_26/2011_09_26_drive_0005_sync --json numbers.json\n"
-      "\nExit status: 0 done, 2 a fault in the options or a folder, or a file that cannot be written.");
+      "\nExit status: 0 done, 2 an error in the options or a folder, or a file that cannot be written.");
   command->callback([arguments] { run_reproduce(*arguments); });
 }

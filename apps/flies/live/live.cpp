@@ -51,8 +51,7 @@ int port_number(const std::string& text, const std::string& option) {
   constexpr int kMost = 65535;
   if (text.find_first_not_of("0123456789-+") != text.npos)
     throw flies::InputError("command line", option,
-                            fmt::format("found '{}', expected a port or none: where '{}' is a source, give it before "
-                                        "{}",
+                            fmt::format("found '{}', expected a port or nothing: if '{}' is a source, put it before {}",
                                         text, text, option));
   const auto port = flies::detail::parse_int(text, {0, kMost}, option, "command line");
   return static_cast<int>(port);
@@ -174,11 +173,13 @@ void run_live(LiveArguments arguments) {
 void add_source_options(CLI::App& command, LiveArguments& arguments) {
   command
       .add_option("SOURCE", arguments.sources,
-                  "one that gives both pictures, or the left and the right one: a camera (0, /dev/video0), a film, a "
-                  "GStreamer pipeline, a URL, a KITTI raw drive, or two folders of images")
+                  "one source that gives both pictures, or one for the left and one for the right pictures: a camera "
+                  "(0, /dev/video0), a film, a GStreamer pipeline, a URL, a KITTI raw drive, or two folders of images")
       ->required()
       ->expected(1, 2);
-  command.add_option("--calib", arguments.calib, "calibration; of a drive the one beside it, if not given")
+  command
+      .add_option("--calib", arguments.calib,
+                  "calibration file; default for a KITTI drive or a drawn sequence: the one that belongs to it")
       ->type_name("FILE");
   command
       .add_option_function<std::string>(
@@ -192,8 +193,8 @@ void add_source_options(CLI::App& command, LiveArguments& arguments) {
             arguments.stream.layout =
                 *split == flies::Split::top_bottom ? flies::PairLayout::top_bottom : flies::PairLayout::side_by_side;
           },
-          "where the two pictures are in one source, or in each image of one folder: side (by side, left first; of "
-          "films and cameras also when not given) or top (and bottom, left on top)")
+          "how one source, or each image of one folder, holds both pictures: side (side by side, left first; default "
+          "for films and cameras) or top (one above the other, left on top)")
       ->type_name("HOW");
   command
       .add_option_function<std::string>(
@@ -201,33 +202,33 @@ void add_source_options(CLI::App& command, LiveArguments& arguments) {
           [&arguments](const std::string& word) {
             arguments.stream.reading.bayer = reading_of({.split = "none", .bayer = word}).bayer;
           },
-          "the pictures are raw mosaics of colour cameras: rggb, bggr, grbg or gbrg, which grey is made of")
+          "the pictures are raw Bayer mosaics of colour cameras (rggb, bggr, grbg or gbrg) and are converted to grey")
       ->type_name("PATTERN");
-  command.add_option("--size", arguments.size_px, "picture size to ask a camera for, of both pictures together")
+  command.add_option("--size", arguments.size_px, "picture size to ask the camera for, both pictures together")
       ->delimiter(',')
       ->expected(2)
       ->check(in_range(16, 100000).description(""))
       ->type_name("W,H");
   command
-      .add_option("--rate", arguments.stream.rate_hz,
-                  "pairs a second: of films and folders, instead of their own, or to ask a camera for")
+      .add_option(
+          "--rate", arguments.stream.rate_hz,
+          "pairs per second: for films and folders used instead of their own rate, for a camera the rate to ask it for")
       ->check(in_range(0.01, 10000.0).description(""))
       ->type_name("HZ");
   command
-      .add_option(
-          "--times", arguments.times,
-          "times of a folder's pairs, one a line: seconds, or as KITTI raw has them; else --rate, a drive's own, "
-          "those in the names, or 10 a second")
+      .add_option("--times", arguments.times,
+                  "times of a folder's pairs, one per line: seconds, or as in KITTI raw; default: by --rate, or else a "
+                  "drive's own times, or else those in the image names, or else 10 pairs per second")
       ->type_name("FILE");
-  command.add_flag("--loop", arguments.stream.is_looped, "begin films and folders again at their end");
+  command.add_flag("--loop", arguments.stream.is_looped, "start films and folders again when they end");
   command.add_flag("--every-pair", arguments.stream.is_patient,
-                   "of films and folders: as fast as it goes, and no pair is dropped");
+                   "films and folders: process every pair, as fast as possible, and drop none");
   command
       .add_option("--max-skew", arguments.max_skew_ms,
-                  "pictures of two sources that are farther apart in time make no pair, milliseconds; default 20")
+                  "largest difference in time, milliseconds, of pictures of two sources that make a pair; default 20")
       ->check(in_range(0.1, 10000.0).description(""))
       ->type_name("MS");
-  command.add_option("--pairs", arguments.max_pairs, "end after so many pairs")
+  command.add_option("--pairs", arguments.max_pairs, "end after this many pairs")
       ->check(in_range(1, 2147483647).description(""))
       ->type_name("N");
 }
@@ -235,16 +236,21 @@ void add_source_options(CLI::App& command, LiveArguments& arguments) {
 }  // namespace
 
 void setup_live(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("live", "follow things through what a camera, a film or a pipeline gives");
+  CLI::App* command =
+      app.add_subcommand("live", "follow things live in the pictures of a camera, a film or a pipeline");
   const auto arguments = std::make_shared<LiveArguments>();
   add_source_options(*command, *arguments);
-  add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 2,3; of a drive else 0,1 when there, else 2,3");
+  add_cameras_option(
+      *command, arguments->camera,
+      "left and right camera of a KITTI calibration, e.g. 2,3; default for a drive: 0,1 if it has them, or else 2,3");
   add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   add_correction_options(*command, arguments->corrections);
   add_method_options(*command, arguments->method);
   add_listed_options<flies::TrackerOptions>(*command, "", "", arguments->following);
-  command->add_option("--json", arguments->outputs.json, "one JSON object a line, a line a pair; - is standard output")
+  command
+      ->add_option("--json", arguments->outputs.json,
+                   "one JSON object per line, one line per pair; - is standard output")
       ->type_name("FILE")
       ->group("Output");
   command
@@ -253,13 +259,13 @@ void setup_live(CLI::App& app) {
           [arguments](const std::string& text) {
             arguments->outputs.view_port = text.empty() ? kViewPort : port_number(text, "--view");
           },
-          fmt::format("show what is seen on a page for a browser; default port {}", kViewPort))
+          fmt::format("show what is seen on a page for a web browser; default port {}", kViewPort))
       ->expected(0, 1)
       ->type_name("[PORT]")
       ->group("Output");
   command
       ->add_option("--view-address", arguments->outputs.view_address,
-                   "address to show the page at; where other machines reach it, it asks for a token; default 127.0.0.1")
+                   "address of the page; if other machines can reach it, it asks for a token; default 127.0.0.1")
       ->type_name("ADDRESS")
       ->group("Output");
   command
@@ -268,18 +274,20 @@ void setup_live(CLI::App& app) {
           [arguments](const std::string& text) {
             arguments->outputs.foxglove_port = text.empty() ? kFoxglovePort : port_number(text, "--foxglove");
           },
-          fmt::format("serve Foxglove and Lichtblick by their WebSocket protocol; default port {}", kFoxglovePort))
+          fmt::format(
+              "send pictures and results to Foxglove or Lichtblick by their WebSocket protocol; default port {}",
+              kFoxglovePort))
       ->expected(0, 1)
       ->type_name("[PORT]")
       ->group("Output");
   command
       ->add_option("--foxglove-address", arguments->outputs.foxglove_address,
-                   "IP address to serve them at; whoever reaches it sees everything; default 127.0.0.1")
+                   "IP address to listen on for Foxglove; anyone who can reach it sees everything; default 127.0.0.1")
       ->type_name("ADDRESS")
       ->group("Output");
   command
       ->add_option("--record", arguments->outputs.record,
-                   "a recording (MCAP) of pictures and results, for them and for flies track")
+                   "record pictures and results as MCAP, for Foxglove, Lichtblick and flies track")
       ->type_name("FILE")
       ->group("Output");
   command
@@ -288,10 +296,10 @@ void setup_live(CLI::App& app) {
       ->type_name("FILE")
       ->group("Output");
   command->footer(
-      "\nPairs that are overtaken by newer ones before their turn are dropped and counted. A camera that goes away,\n"
-      "gives broken pictures or hangs is told once and opened again until it is back. Ctrl-C ends after the\n"
-      "pair that is worked on. Two threads work on a pair, unless --threads says otherwise. Options of following are\n"
-      "those of `flies track`. docs/live.md says more.\n"
+      "\nWhen pairs come faster than they can be processed, older ones are dropped and counted. If a camera goes\n"
+      "away, gives broken pictures or hangs, that is reported once, and it is opened again until it is back.\n"
+      "Ctrl-C ends the run after the current pair. Two threads process a pair, unless --threads says otherwise.\n"
+      "The options for following things are those of `flies track`. See docs/live.md for more.\n"
       "\nExamples:\n"
       "  flies live 0 --size 2560,720 --calib calib.yaml               a camera that gives both pictures side by side\n"
       "  flies live /dev/video0 /dev/video2 --calib calib.yaml         two cameras\n"
@@ -300,6 +308,6 @@ void setup_live(CLI::App& app) {
       "  flies live left right --calib calib.yaml --rate 10 --loop     folders of images, as if they came from a "
       "camera\n"
       "  flies live 'v4l2src ! image/jpeg ! jpegdec' --calib calib.yaml\n"
-      "\nExit status: 0 done, 2 a fault in the input, told in one line.");
+      "\nExit status: 0 done, 2 an error in the input, reported in one line.");
   command->callback([arguments] { run_live(*arguments); });
 }

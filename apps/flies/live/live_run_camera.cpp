@@ -59,10 +59,10 @@ void LiveRun::check_not_halved(const flies::StereoFrame& frame) const {
   if (!is_for_wholes) return;
   throw flies::InputError(
       request_.stream.sources.front(), "image size",
-      fmt::format("a whole picture has {} x {} px, for which the calibration is; expected the left and the right "
-                  "picture in each, side by side or one above the other (--split), or a second source with the right "
-                  "pictures",
-                  width_px, height_px));
+      fmt::format(
+          "found whole pictures of {} x {} px, the size that the calibration is for; expected the left and the right "
+          "picture in each, side by side or one above the other (--split), or a second source with the right pictures",
+          width_px, height_px));
 }
 
 /// @throws flies::InputError when the file cannot be read, or does not go with this pair
@@ -129,7 +129,7 @@ void LiveRun::diagnose_later(const flies::GrayPair& images, double time_s) {
     if (auto found = later_->take(request_.stream.is_patient)) take_up(*std::move(found));
   } catch (const flies::InputError& error) {  // options that do not go with the mount that was found
     later_.reset();
-    say(fmt::format("the camera is taken as mounted as before: {}", error.what()));
+    say(fmt::format("the mount of the camera stays as before: {}", error.what()));
   }
 }
 

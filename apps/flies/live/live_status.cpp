@@ -43,7 +43,7 @@ std::string LiveStatus::text() const {
   if (pairs_ == 0) return "no pair";
   const std::chrono::duration<double> elapsed = newest_ - start_;
   const double rate = pairs_ > 1 && elapsed.count() > 0.0 ? static_cast<double>(pairs_ - 1) / elapsed.count() : 0.0;
-  return fmt::format("{} {}, {:.1f} a second; {}; {} dropped", pairs_, pairs_ == 1 ? "pair" : "pairs", rate,
+  return fmt::format("{} {}, {:.1f} per second; {}; {} dropped", pairs_, pairs_ == 1 ? "pair" : "pairs", rate,
                      latencies_.text(), dropped_);
 }
 
@@ -55,8 +55,8 @@ void LiveStatus::finish(const flies::PairStreamCounts& source) const {
   };
   add(passed_over_, "no pairs");
   add(source.broken, "broken pictures");
-  add(source.skipped, "pictures overtaken unread");
+  add(source.skipped, "pictures that could not be read in time");
   add(source.unpaired, "pictures without a partner");
-  add(source.losses, "source gone");
+  add(source.losses, "source lost");
   std::fprintf(stderr, "%sflies: %s\n", is_visible_ ? "\r\033[K" : "", line.c_str());
 }

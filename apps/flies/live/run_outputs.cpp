@@ -51,7 +51,7 @@ void RunOutputs::attempt(const std::function<void()>& close) {
 void RunOutputs::add_json(const std::string& path) {
   json_.emplace(path);
   sinks_.push_back(&json_queue_.emplace(*json_, kMostForRecord, QueuedSink::Haste::is_awaited, overflow_, [path] {
-    say_notes({(path == "-" ? "standard output" : path) + ": takes too long to be written; some pairs are left out"});
+    say_notes({(path == "-" ? "standard output" : path) + ": cannot be written fast enough; some pairs are left out"});
   }));
 }
 

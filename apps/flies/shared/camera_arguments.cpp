@@ -6,37 +6,45 @@
 #include "shared/command_line.hpp"
 
 void add_mount_options(CLI::App& command, CameraArguments& arguments) {
-  command.add_option("--camera-height", arguments.height_m, "of the left camera above the road, metres")
+  command.add_option("--camera-height", arguments.height_m, "height of the left camera above the road, metres")
       ->type_name("M");
-  command.add_option("--camera-pitch", arguments.pitch_deg, "degrees, positive when it looks down")->type_name("DEG");
-  command.add_option("--camera-roll", arguments.roll_deg, "degrees, positive when it leans to the right")
+  command
+      .add_option("--camera-pitch", arguments.pitch_deg,
+                  "pitch of the left camera, degrees, positive when it looks down")
+      ->type_name("DEG");
+  command
+      .add_option("--camera-roll", arguments.roll_deg,
+                  "roll of the left camera, degrees, positive when it leans to the right")
       ->type_name("DEG");
 }
 
 void add_raw_option(CLI::App& command, CameraArguments& arguments) {
-  command.add_flag("--raw", arguments.is_raw,
-                   "the images are as the cameras gave them: rectify them by the file, where it is of both kinds");
+  command.add_flag(
+      "--raw", arguments.is_raw,
+      "the images are raw, as the cameras gave them: rectify them; needed only where the calibration can be "
+      "used for raw and for rectified images");
 }
 
 void add_resized_option(CLI::App& command, CameraArguments& arguments) {
-  command.add_flag(
-      "--resized", arguments.is_resized,
-      "the images are whole ones, resized from the calibration's size, if not by the same across and down");
+  command.add_flag("--resized", arguments.is_resized,
+                   "the images were resized from the calibration's size, not cropped; needed only where width and "
+                   "height changed by different factors");
 }
 
 void add_baseline_option(CLI::App& command, CameraArguments& arguments) {
   command
       .add_option("--baseline", arguments.baseline_m,
-                  "distance between the two cameras, metres: overrules the file, whose lengths may be in another unit")
+                  "distance between the two cameras, metres; overrides the calibration file, e.g. where its lengths "
+                  "are in another unit")
       ->check(in_range(0.0001, 10000.0).description(""))
       ->type_name("M");
 }
 
 void add_calibrated_size_option(CLI::App& command, CameraArguments& arguments) {
   command
-      .add_option(
-          "--calib-size", arguments.calibrated_size_px,
-          "image size that a calibration file without one, or with several, is for, where the images were resized")
+      .add_option("--calib-size", arguments.calibrated_size_px,
+                  "image size that the calibration is for; needed only for resized images, where the file gives no "
+                  "size or several")
       ->delimiter(',')
       ->expected(2)
       ->check(in_range(1, 100000).description(""))
@@ -44,7 +52,9 @@ void add_calibrated_size_option(CLI::App& command, CameraArguments& arguments) {
 }
 
 void add_calibration_options(CLI::App& command, CameraArguments& arguments) {
-  command.add_option("--right-calib", arguments.right_calib, "second file, where left and right have one each")
+  command
+      .add_option("--right-calib", arguments.right_calib,
+                  "second calibration file, where left and right camera have one each")
       ->type_name("FILE");
   add_raw_option(command, arguments);
   add_resized_option(command, arguments);

@@ -12,10 +12,10 @@ Verbosity chosen = Verbosity::normal;  // one a process, as the command line is
 
 void add_verbosity_options(CLI::App& command) {
   auto* quiet = command.add_flag_callback(
-      "-q,--quiet", [] { chosen = Verbosity::quiet; }, "say nothing but results and errors");
+      "-q,--quiet", [] { chosen = Verbosity::quiet; }, "print only results and errors");
   command
       .add_flag_callback(
-          "-v,--verbose", [] { chosen = Verbosity::verbose; }, "also say what the run is made of")
+          "-v,--verbose", [] { chosen = Verbosity::verbose; }, "also print version, camera and options of the run")
       ->excludes(quiet);
 }
 

@@ -16,23 +16,28 @@
 
 void add_reading_options(CLI::App& command, ReadingArguments& arguments) {
   command
-      .add_option("--split", arguments.split,
-                  "one file holds both images: side (by side, left first) or top (and bottom, left on top)")
+      .add_option(
+          "--split", arguments.split,
+          "one file holds both images: side (side by side, left first) or top (one above the other, left on top)")
       ->type_name("HOW");
   command
-      .add_option("--bayer", arguments.bayer,
-                  "the images are raw mosaics of colour cameras: rggb, bggr, grbg or gbrg, which grey is made of")
+      .add_option(
+          "--bayer", arguments.bayer,
+          "the images are raw Bayer mosaics of colour cameras (rggb, bggr, grbg or gbrg) and are converted to grey")
       ->type_name("PATTERN");
 }
 
 void add_pair_options(CLI::App& command, PairArguments& arguments) {
-  command.add_option("LEFT", arguments.left, "left image, or a folder of left images; with --split of both")
+  command
+      .add_option("LEFT", arguments.left,
+                  "left image, or a folder of left images; with --split an image or a folder that holds both")
       ->required();
-  command.add_option("RIGHT", arguments.right, "right image, or a folder; see --pair-by; none with --split");
+  command.add_option("RIGHT", arguments.right,
+                     "right image, or a folder of right images (see --pair-by); not with --split");
   command
       .add_option(
           "--pair-by", arguments.pair_by,
-          "what makes images of two folders a pair: order, name, time, or auto, the one that the names speak for")
+          "how the images of two folders are paired: by order, name or time, or auto, which decides by the file names")
       ->type_name("HOW");
   add_reading_options(command, arguments.reading);
 }
@@ -53,14 +58,14 @@ flies::MatchedPairs matched_pairs_of(const PairArguments& arguments) {
     throw flies::InputError("RIGHT", arguments.right, "is not needed: with --split one file holds both images");
   if (!is_joined && arguments.right.empty())
     throw flies::InputError("RIGHT", "",
-                            "is missing: the right image, or a folder of them; or --split, where LEFT holds both");
+                            "is missing: give the right image or a folder of them, or --split if LEFT holds both");
   if (is_joined) return {.pairs = flies::find_joined_pairs(arguments.left), .odd = {}};
   const auto by = flies::pair_by_of(arguments.pair_by);
   if (!by) throw flies::InputError("--pair-by", arguments.pair_by, "unknown, expected auto, order, name or time");
   auto found = flies::match_pairs(arguments.left, arguments.right, *by);
   if (!found.odd.empty())
     found.notes.insert(found.notes.begin(),
-                       fmt::format("without a partner, and left out: {}", fmt::join(found.odd, ", ")));
+                       fmt::format("these images have no partner and are left out: {}", fmt::join(found.odd, ", ")));
   return found;
 }
 
@@ -99,12 +104,11 @@ void check_not_padded(const std::string& calib, flies::CalibrationRequest reques
     return;
   throw flies::InputError(
       left, "image size",
-      fmt::format(
-          "{} x {} px, of which borders of one level show nothing (left {}, right {}, top {}, bottom {} px): both "
-          "images were padded or letterboxed. What is left, {} x {} px, is of the shape of the calibration's {} x "
-          "{} px: cut the borders off",
-          all_width_px, all_height_px, borders.left_px, borders.right_px, borders.top_px, borders.bottom_px,
-          inner_width_px, inner_height_px, width_px, height_px));
+      fmt::format("found {} x {} px with borders of one grey level (left {}, right {}, top {}, bottom {} px): both "
+                  "images were padded or letterboxed. What is inside the borders, {} x {} px, has the shape of the "
+                  "calibration's {} x {} px: cut the borders off",
+                  all_width_px, all_height_px, borders.left_px, borders.right_px, borders.top_px, borders.bottom_px,
+                  inner_width_px, inner_height_px, width_px, height_px));
 }
 
 }  // namespace
@@ -119,7 +123,7 @@ flies::Calibration calibration_of_files(const std::string& calib, const CameraAr
 
 std::optional<std::string> orientation_note(const flies::PairPaths& pair) {
   constexpr std::size_t kMax_bytes = std::size_t{1} << 30;
-  constexpr const char* kTurns[] = {"as they are stored",
+  constexpr const char* kTurns[] = {"as stored",
                                     "mirrored",
                                     "turned by 180 degrees",
                                     "mirrored upside down",
@@ -133,10 +137,11 @@ std::optional<std::string> orientation_note(const flies::PairPaths& pair) {
   const int left = orientation(pair.left), right = pair.right == pair.left ? left : orientation(pair.right);
   if (left == right && left == 1) return std::nullopt;
   if (left == right)
-    return fmt::format("{}: images are {}, as their EXIF orientation says: the calibration must be for the turned ones",
-                       pair.left, kTurns[left - 1]);
+    return fmt::format(
+        "{}: images are {}, as their EXIF orientation says: the calibration must be for images turned in this way",
+        pair.left, kTurns[left - 1]);
   return fmt::format(
-      "{} and {} differ in their EXIF orientation, which hardly is so of two cameras of a pair: pixels of the left one "
-      "are taken {}, those of the right one {}",
+      "{} and {} differ in their EXIF orientation, which is unlikely for the two images of a pair: the left one is "
+      "used {}, the right one {}",
       pair.left, pair.right, kTurns[left - 1], kTurns[right - 1]);
 }

@@ -26,10 +26,10 @@ bool is_read(const std::string& path) { return has_ending(path, {".mcap", ".bag"
 void refuse_other_kinds(const std::string& path) {
   if (path.ends_with(".db3"))
     throw flies::InputError(path, "",
-                            "is a recording in SQLite, which is not read: convert it to MCAP (ros2 bag convert, with "
-                            "storage_id: mcap) and give the .mcap file");
+                            "is a recording in SQLite, which flies does not read: convert it to MCAP (ros2 bag "
+                            "convert, with storage_id: mcap) and give the .mcap file");
   if (has_ending(path, {".mcap.zstd", ".mcap.zst", ".bag.zst", ".bag.gz", ".mcap.gz", ".bag.bz2"}))
-    throw flies::InputError(path, "", "is compressed as a whole: unpack it first and give the file that comes out");
+    throw flies::InputError(path, "", "is compressed as a whole: unpack it first and give the unpacked file");
 }
 
 /// The recording in a folder; nothing where it holds none of any kind.

@@ -132,8 +132,8 @@ bool is_mount_confirmed(const RunDiagnosis& run, const std::vector<flies::GrayPa
 
 void add_mount_option(CLI::App& command, bool& find_mount) {
   add_named_option<bool>(command, "--mount", find_mount, {{"auto", true}, {"given", false}}, "auto or given",
-                         "auto: height and tilt of the camera are taken from the road where it clearly lies elsewhere "
-                         "than was given; given: as given");
+                         "auto: height and tilt of the camera are measured from the road, and used where they clearly "
+                         "differ from those given or assumed; given: those are always used");
 }
 
 void add_correction_options(CLI::App& command, RunCorrections& corrections) {
@@ -141,7 +141,7 @@ void add_correction_options(CLI::App& command, RunCorrections& corrections) {
   add_named_option<SelfRectify>(
       command, "--self-rectify", corrections.self_rectify,
       {{"auto", SelfRectify::automatic}, {"on", SelfRectify::on}, {"off", SelfRectify::off}}, "auto, on or off",
-      fmt::format("make up for rows of left and right that lie apart: auto (from {:g} px), on or off",
+      fmt::format("correct a vertical offset between the rows of left and right: auto (from {:g} px on), on or off",
                   flies::kRowErrorMatters_px));
 }
 
@@ -186,7 +186,7 @@ RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibra
     run.correction = run.diagnosis.rows;
     run.notes.push_back(fmt::format(
         "rows of the right image lie {:+.1f} px lower than those of the left one ({:+.1f} and {:+.1f} px at the "
-        "sides): made up for; calibrate again, or --self-rectify off",
+        "sides): this is corrected; calibrate again, or switch it off with --self-rectify off",
         run.correction->offset_px, run.correction->at(0.0), run.correction->at(2.0 * run.correction->middle_u_px)));
     for (auto& images : sample) run.correct(images);
     run.diagnosis = diagnose_now();

@@ -65,12 +65,12 @@ std::vector<double> even_times(const std::vector<flies::PairPaths>& pairs, doubl
   if (odd == steps.end()) return times_s;
   const std::string where = jump(pairs, static_cast<std::size_t>(odd - steps.begin()) + 1);
   if (std::any_of(steps.begin(), steps.end(), [&](std::int64_t step) { return step % usual != 0; })) {
-    notes.push_back(where + ": they are no count of pairs, and the times are taken as even (--times)");
+    notes.push_back(where + ": they do not count the pairs, so evenly spaced times are assumed (--times gives others)");
     return times_s;
   }
   for (std::size_t i = 0; i < count; ++i)
     times_s[i] = static_cast<double>((*numbers)[i] - numbers->front()) / static_cast<double>(usual) / rate_hz;
-  notes.push_back(where + ": pairs are missing, and the times jump over them (--times)");
+  notes.push_back(where + ": pairs are missing, and the times jump too (--times gives others)");
   return times_s;
 }
 
@@ -81,13 +81,14 @@ std::vector<double> times_of(const std::string& file, const std::vector<flies::P
   auto times_s = flies::read_time_stamps(file);
   const std::size_t count = pairs.size(), held = times_s.size();
   if (held < count)
-    throw flies::InputError(file, "", fmt::format("holds {} times, expected {}, one a pair", held, count));
+    throw flies::InputError(file, "", fmt::format("holds {} times, expected {}, one per pair", held, count));
   if (held == count) return times_s;
   const auto numbers = flies::numbers_in_names(left_images(pairs));
   const auto last = static_cast<std::int64_t>(held);
   if (!numbers || numbers->front() < 0 || numbers->back() > last || (numbers->back() == last && numbers->front() < 1)) {
     notes.push_back(
-        fmt::format("{}: holds {} times for {} pairs whose names do not say which are theirs: the first {} are taken",
+        fmt::format("{}: holds {} times for {} pairs, and the names of the images do not say which time belongs to "
+                    "which pair: the first {} are used",
                     file, held, count, count));
     times_s.resize(count);
     return times_s;
@@ -98,7 +99,8 @@ std::vector<double> times_of(const std::string& file, const std::vector<flies::P
     chosen_s.push_back(times_s[static_cast<std::size_t>(number - first_number)]);
   for (double& time_s : chosen_s) time_s -= times_s[static_cast<std::size_t>(numbers->front() - first_number)];
   notes.push_back(
-      fmt::format("{}: holds {} times for {} pairs, taken by the numbers in their names", file, held, count));
+      fmt::format("{}: holds {} times for {} pairs: times are chosen by the numbers in the names of the images", file,
+                  held, count));
   for (std::size_t i = 1; i < count; ++i)
     if ((*numbers)[i] != (*numbers)[i - 1] + 1) {
       notes.back() += ": " + jump(pairs, i);
@@ -118,8 +120,7 @@ void doubt_slow_times(const std::string& file, const std::vector<double>& times_
                      : shortest_s < 1e6 * kLeast_s ? "microseconds"
                                                    : "nanoseconds";
   notes.push_back(
-      fmt::format("{}: pairs are {:.4g} s apart or more, too far to follow anything: are these {}? "
-                  "expected seconds",
+      fmt::format("{}: pairs are {:.4g} s apart or more, too long to follow anything: are these {}? expected seconds",
                   file, shortest_s, unit));
 }
 
@@ -130,14 +131,15 @@ std::vector<double> times_of(const std::string& file, const Recording& recording
   if (held == count) return times_s;
   const std::size_t pictures = recording.left_count();
   if (held != pictures)
-    throw flies::InputError(file, "",
-                            fmt::format("holds {} times, expected {}, one a pair{}", held, count,
-                                        pictures == count ? "" : fmt::format(", or {}, one a left picture", pictures)));
+    throw flies::InputError(
+        file, "",
+        fmt::format("holds {} times, expected {}, one per pair{}", held, count,
+                    pictures == count ? "" : fmt::format(", or {}, one per left picture", pictures)));
   std::vector<double> chosen_s;
   for (std::size_t i = 0; i < count; ++i)
     chosen_s.push_back(times_s[recording.left_number(i)] - times_s[recording.left_number(0)]);
-  notes.push_back(
-      fmt::format("{}: holds {} times for {} pairs, taken by the numbers of the left pictures", file, held, count));
+  notes.push_back(fmt::format("{}: holds {} times for {} pairs: times are chosen by the numbers of the left pictures",
+                              file, held, count));
   return chosen_s;
 }
 
@@ -171,7 +173,7 @@ void open_recording(SequenceSource& source, const std::string& path,
                     const std::optional<std::array<std::string, 2>>& topics) {
   if (source.reading.split != flies::Split::none || source.reading.bayer)
     throw flies::InputError(path, "--split, --bayer",
-                            "are for image files; a recording says itself what its pictures are");
+                            "are for image files; a recording itself says what its pictures are");
   source.recording = std::make_shared<Recording>(path, topics);
   for (std::size_t i = 0; i < source.recording->size(); ++i) {
     source.pairs.push_back({source.recording->name(i, false), source.recording->name(i, true)});
@@ -191,8 +193,9 @@ std::optional<std::string> place_of_times(const SequenceSource& source, const st
 
 void refuse_topics(const SequenceRequest& request) {
   if (request.topics)
-    throw flies::InputError("command line", "--topics",
-                            fmt::format("are those of a recording (.mcap, .bag), and {} is none", request.sources[0]));
+    throw flies::InputError(
+        "command line", "--topics",
+        fmt::format("are those of a recording (.mcap, .bag), and {} is not one", request.sources[0]));
 }
 
 void open_folders(SequenceSource& source, const std::string& left, const std::string& right) {
@@ -234,9 +237,10 @@ SequenceSource open_sequence(const SequenceRequest& request) {
       throw flies::InputError(request.sources[0], "",
                               "is a file, expected a recording (.mcap, .bag) or a folder; films are for flies live");
     if (!is_drive(drive, request))
-      throw flies::InputError(request.sources[0], "",
-                              "is no KITTI raw drive (image_00/data and image_01/data), no folder of flies synth "
-                              "--sequence and no recording (.mcap, .bag), expected one, or two folders");
+      throw flies::InputError(
+          request.sources[0], "",
+          "is neither a KITTI raw drive (image_00/data and image_01/data) nor a folder of flies synth --sequence nor a "
+          "recording (.mcap, .bag), expected one of these, or two folders of images");
     open_folders(source, (camera_folder(drive, left) / "data").string(),
                  (camera_folder(drive, right) / "data").string());
     own_times = (camera_folder(drive, left) / "timestamps.txt").string();
@@ -255,13 +259,13 @@ SequenceSource open_sequence(const SequenceRequest& request) {
                                       : times_of(request.times, source.pairs, source.notes);
     doubt_slow_times(request.times, source.times_s, source.notes);
     if (request.rate_hz)
-      source.notes.push_back(fmt::format("times are those in {} (--times), instead of {:.4g} pairs a second (--rate)",
+      source.notes.push_back(fmt::format("times are those in {} (--times), instead of {:.4g} pairs per second (--rate)",
                                          request.times, *request.rate_hz));
   } else if (request.rate_hz) {
     source.times_s = even_times(source.pairs, *request.rate_hz, source.notes);
     if (const auto place = place_of_times(source, own_times))
-      source.notes.push_back(
-          fmt::format("times are even, {:.4g} pairs a second (--rate), instead of {}", *request.rate_hz, *place));
+      source.notes.push_back(fmt::format("times are evenly spaced, {:.4g} pairs per second (--rate), instead of {}",
+                                         *request.rate_hz, *place));
   } else if (source.recording) {
     // has its own
   } else if (!own_times.empty()) {
@@ -269,11 +273,12 @@ SequenceSource open_sequence(const SequenceRequest& request) {
     doubt_slow_times(own_times, source.times_s, source.notes);
   } else if (auto times_s = named_times(source.pairs)) {
     source.times_s = std::move(*times_s);
-    source.notes.push_back(
-        fmt::format("times are those in the names of the images: {:.4g} pairs a second (--rate, --times)",
-                    static_cast<double>(source.pairs.size() - 1) / source.times_s.back()));
+    source.notes.push_back(fmt::format(
+        "times are those in the names of the images: {:.4g} pairs per second (--rate or --times gives others)",
+        static_cast<double>(source.pairs.size() - 1) / source.times_s.back()));
   } else {
-    source.notes.push_back(fmt::format("no times given, {} pairs a second assumed (--rate, --times)", kUsualRate_hz));
+    source.notes.push_back(fmt::format(
+        "the pairs have no times: {} pairs per second are assumed (--rate or --times gives others)", kUsualRate_hz));
     source.times_s = even_times(source.pairs, kUsualRate_hz, source.notes);
   }
   return source;

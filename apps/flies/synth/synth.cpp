@@ -221,7 +221,7 @@ void setup_synth(CLI::App& app) {
       ->check(in_range(1, 100000))
       ->type_name("N");
   CLI::Option* sequence = command->add_flag("--sequence", arguments->is_sequence,
-                                            "a drive through one street, where cars, cyclists and people move");
+                                            "render a drive through one street, where cars, cyclists and people move");
   command->add_option("--rate", arguments->rate_hz, "pairs a second of a sequence, default 10")
       ->check(in_range(0.5, 1000.0))
       ->needs(sequence)
@@ -230,15 +230,15 @@ void setup_synth(CLI::App& app) {
                                            "folder of people to paste into real pairs instead: crops of one upright "
                                            "person each, with or without masks (NAME_mask.png)");
   paste->excludes(sequence)->type_name("DIR");
-  CLI::Option* onto = command->add_option("--onto", arguments->onto,
-                                          "the pairs to paste into: a folder with truth, as `flies evaluate` reads it");
+  CLI::Option* onto = command->add_option(
+      "--onto", arguments->onto, "folder of the pairs to paste into, with truth, as `flies evaluate` reads it");
   onto->needs(paste)->type_name("DIR");
   paste->needs(onto);
-  command->add_option("--start", arguments->start, "first of these pairs, from 0")
+  command->add_option("--start", arguments->start, "first of these pairs, counted from 0")
       ->check(in_range(0, kMostPairs).description(""))
       ->needs(onto)
       ->type_name("N");
-  command->add_option("--step", arguments->step, "every so many of them")
+  command->add_option("--step", arguments->step, "use only every Nth of them")
       ->check(in_range(1, kMostPairs).description(""))
       ->needs(onto)
       ->type_name("N");
@@ -264,14 +264,14 @@ void setup_synth(CLI::App& app) {
   command->footer(
       "\nWrites OUT/left/000000.png, OUT/right/..., OUT/calib.yaml, OUT/disparity/... (16 bits, disparity\n"
       "times 256, 0 for the sky), OUT/label_2/... (KITTI labels), OUT/truth/... (JSON) and OUT/scene.yaml.\n"
-      "A sequence has the times of its pairs in OUT/times.txt, and in its truth the camera's pose and every\n"
-      "object's id and velocity. A room, an aisle, woods (before a drone) and a pavement (before a low rover) come "
-      "with\n"
-      "a camera of their own: 640 x 480 px, focal_px 450, baseline_m 0.12 (woods 0.2), camera_height_m 1, 0.5, 7 and\n"
-      "0.3, pitch_deg 10, 5, 0 and 3, fewer people, indoors no sun.\n"
-      "\n--paste puts people into real pairs: same files, grey; of the options below --seed, --people,\n"
-      "--people_min_range_m (8), --people_max_range_m (24) and --noise_gray. --frames beyond the pairs goes round\n"
-      "again, with others. Pairs of several cameras have OUT/calib/000000.yaml ... instead of OUT/calib.yaml.\n"
+      "A sequence also has the times of its pairs in OUT/times.txt, and its truth holds the pose of the camera\n"
+      "and the id and velocity of every object. Some scenes have other defaults: a room, an aisle, woods (seen\n"
+      "from a drone) and a pavement (seen from a low rover) have 640 x 480 px, focal_px 450, baseline_m 0.12\n"
+      "(woods 0.2), camera_height_m 1, 0.5, 7 and 0.3, pitch_deg 10, 5, 0 and 3, fewer people, and no sun indoors.\n"
+      "\n--paste puts people into real pairs. It writes the same files, with grey images, and takes only --seed,\n"
+      "--people, --people_min_range_m (8), --people_max_range_m (24) and --noise_gray of the options above. If\n"
+      "--frames is larger than the number of pairs, they are used again with other people. Pairs of several\n"
+      "cameras have OUT/calib/000000.yaml ... instead of OUT/calib.yaml.\n"
       "\nExamples:\n"
       "  flies synth street                                  one town street\n"
       "  flies synth crowd --frames 20 --seed 7 --people 15  twenty busier ones\n"
@@ -279,6 +279,6 @@ void setup_synth(CLI::App& app) {
       "  flies synth room --scene room --frames 5            what a robot 1 m high sees; also aisle, woods, pavement\n"
       "  flies synth drive --sequence --seed 3               six seconds of driving, 10 pairs each\n"
       "  flies synth pasted --paste data/people/test/positives/inria --onto data/kitti_stereo2012 --start 1 --step 2\n"
-      "\nExit status: 0 done, 2 a fault in the options or a folder that cannot be written.");
+      "\nExit status: 0 done, 2 an error in the options or a folder that cannot be written.");
   command->callback([arguments] { arguments->paste.empty() ? run_synth(*arguments) : run_paste(*arguments); });
 }

@@ -213,11 +213,11 @@ void run_track(TrackArguments arguments) {
   say_notes(watch.counts());
   if (faults.size() == source.pairs.size())
     throw flies::InputError(arguments.sequence.sources.front(), "",
-                            "no pair could be used; the first: " + faults.front());
+                            "no pair could be used; the first error: " + faults.front());
   if (!faults.empty())
     throw flies::InputError(arguments.sequence.sources.front(),
                             fmt::format("{} of {} pairs", faults.size(), source.pairs.size()),
-                            "could not be used, the others were; the first: " + faults.front());
+                            "could not be used, the others were; the first error: " + faults.front());
 }
 
 }  // namespace
@@ -227,33 +227,40 @@ void setup_track(CLI::App& app) {
   const auto arguments = std::make_shared<TrackArguments>();
   command
       ->add_option("SOURCE", arguments->sequence.sources,
-                   "a recording (.mcap, .bag), a KITTI raw drive, a drawn sequence, or the folders of left and right "
-                   "images; "
-                   "with --split one folder")
+                   "a recording (.mcap, .bag), a KITTI raw drive, a sequence of flies synth, or the folders of left "
+                   "and right images; with --split one folder")
       ->required()
       ->expected(1, 2);
-  command->add_option("--calib", arguments->sequence.calib, "calibration; of a drive the one beside it, if not given")
+  command
+      ->add_option("--calib", arguments->sequence.calib,
+                   "calibration file; default for a KITTI drive or a drawn sequence: the one that belongs to it")
       ->type_name("FILE");
-  command->add_option("--rate", arguments->sequence.rate_hz, "pairs a second, instead of their own times")
+  command->add_option("--rate", arguments->sequence.rate_hz, "pairs per second; used instead of the pairs' own times")
       ->check(in_range(0.01, 10000.0).description(""))
       ->type_name("HZ");
-  command->add_option("--times", arguments->sequence.times, "times of the pairs, one a line: seconds, or as KITTI raw")
+  command
+      ->add_option("--times", arguments->sequence.times,
+                   "times of the pairs, one per line: seconds, or as in KITTI raw")
       ->type_name("FILE");
-  command->add_option("--topics", arguments->topics, "of a recording: topics of the left and the right pictures")
+  command->add_option("--topics", arguments->topics, "topics of the left and the right pictures in a recording")
       ->expected(2)
       ->delimiter(',')
       ->type_name("LEFT,RIGHT");
   add_reading_options(*command, arguments->reading);
-  add_cameras_option(*command, arguments->camera, "KITTI cameras, e.g. 2,3; of a drive else 0,1 when there, else 2,3");
+  add_cameras_option(
+      *command, arguments->camera,
+      "left and right camera of a KITTI calibration, e.g. 2,3; default for a drive: 0,1 if it has them, or else 2,3");
   add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   add_correction_options(*command, arguments->corrections);
   add_method_options(*command, arguments->method);
   add_listed_options<flies::TrackerOptions>(*command, "", "Following", arguments->following);
-  command->add_option("--json", arguments->json, "one JSON object a line, a line a pair; - is standard output")
+  command->add_option("--json", arguments->json, "one JSON object per line, one line per pair; - is standard output")
       ->type_name("FILE")
       ->group("Output");
-  command->add_option("--kitti", arguments->kitti, "KITTI's tracking format, a line a track; - is standard output")
+  command
+      ->add_option("--kitti", arguments->kitti,
+                   "KITTI's tracking format, one line per track and pair; - is standard output")
       ->type_name("FILE")
       ->group("Output");
   command
@@ -262,15 +269,15 @@ void setup_track(CLI::App& app) {
       ->type_name("FILE")
       ->group("Output");
   command->footer(
-      "\nVelocities are over ground, in the axes of the vehicle at that time (x forward, y left). Lines are\n"
-      "written whole and at once, so that a pipe or `tail -f` sees each pair when it is done. Without outputs\n"
-      "a table is printed. docs/dynamic.md says how it works and how well. A pair that cannot be used gets a\n"
-      "line in --json with its error, and the run ends with status 2 after the others.\n"
+      "\nVelocities are over ground, in the axes of the vehicle at that time (x forward, y left). Each\n"
+      "line is written as soon as its pair is done, so that a pipe or `tail -f` sees it. Without outputs a\n"
+      "table is printed. docs/dynamic.md says how it works and how well. A pair that cannot be used gets a\n"
+      "line in --json with its error; the others are still processed, and the run ends with status 2.\n"
       "\nExamples:\n"
       "  flies track data/kitti_raw/2011_09_26/2011_09_26_drive_0005_sync\n"
       "  flies track left right --calib calib.yaml --rate 15 --json - | tee tracks.jsonl\n"
       "  flies track recording.mcap --topics /cam/left/image_rect,/cam/right/image_rect\n"
-      "  flies track drive --video drive.mp4                 of a folder of `flies synth --sequence`\n"
-      "\nExit status: 0 done, 2 a fault in the input, told in one line.");
+      "  flies track drive --video drive.mp4                 a folder of `flies synth --sequence`\n"
+      "\nExit status: 0 done, 2 an error in the input, reported in one line.");
   command->callback([arguments] { run_track(*arguments); });
 }
