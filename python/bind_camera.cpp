@@ -123,7 +123,7 @@ flies::Calibration load_calibration(const PathArgument& path, const PathArgument
                                     const std::optional<std::vector<int>>& calibrated_size_px,
                                     std::optional<double> camera_height_m, std::optional<double> camera_pitch_rad,
                                     std::optional<double> camera_roll_rad, bool images_are_raw, bool images_are_resized,
-                                    std::optional<double> baseline_m) {
+                                    std::optional<double> baseline_m, double disparity_shift_px) {
   flies::CalibrationRequest request;
   request.right_path = right_path.text;
   request.cameras = two_of(cameras, path.text, "cameras", "two: left and right");
@@ -139,6 +139,7 @@ flies::Calibration load_calibration(const PathArgument& path, const PathArgument
   request.images_are_raw = images_are_raw;
   request.images_are_resized = images_are_resized;
   request.baseline_m = baseline_m;
+  request.disparity_shift_px = disparity_shift_px;
   const py::gil_scoped_release release;
   return flies::load_calibration(path.text, request);
 }
@@ -173,7 +174,7 @@ void bind_calibration(py::module_& module) {
       "load_calibration", &load_calibration, "path"_a, py::kw_only(), "right_path"_a = "", "cameras"_a = py::none(),
       "width_px"_a = 0, "height_px"_a = 0, "calibrated_size_px"_a = py::none(), "camera_height_m"_a = py::none(),
       "camera_pitch_rad"_a = py::none(), "camera_roll_rad"_a = py::none(), "images_are_raw"_a = false,
-      "images_are_resized"_a = false, "baseline_m"_a = py::none(),
+      "images_are_resized"_a = false, "baseline_m"_a = py::none(), "disparity_shift_px"_a = 0.0,
       "Reads a calibration: KITTI, OpenCV (rectified or raw), ROS camera_info, Kalibr, EuRoC, ORB-SLAM, ZED,\n"
       "RealSense, DepthAI, Basalt, MATLAB, Middlebury, plain YAML and others, recognised from the content. Paths are\n"
       "str, bytes or os.PathLike.\n\n"
@@ -184,7 +185,9 @@ void bind_calibration(py::module_& module) {
       "- `calibrated_size_px`: (width, height) that a file without a size is for.\n"
       "- `images_are_raw`: matters where a file is of raw and of rectified images.\n"
       "- `images_are_resized`: whole ones, by any two scales from the file's size to `width_px` and `height_px`.\n"
-      "- `baseline_m`, `camera_height_m`, `camera_pitch_rad`, `camera_roll_rad`: overrule the file's.\n\n"
+      "- `baseline_m`, `camera_height_m`, `camera_pitch_rad`, `camera_roll_rad`: overrule the file's.\n"
+      "- `disparity_shift_px`: added to every disparity, for cameras that are turned against each other\n"
+      "  (`EgoMotion.disparity_shift_px` tells by how much).\n\n"
       "Returns a Calibration. Raises InputError naming file and key.");
 }
 

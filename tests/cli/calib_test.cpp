@@ -93,6 +93,7 @@ TEST_F(Calib, RefusesConversionsThatCannotBeAndLeavesNothing) {
   };
   refused({"camchain.yaml", "--write", "kitti", "--output", "k.txt"}, "raw images");
   refused({"camchain.yaml", "--write", "kity"}, "did you mean 'kitti'?");
+  refused({"camchain.yaml", "--disparity-shift", "2", "--write", "opencv"}, "describes raw images");
   refused({"camchain.yaml", "--write", "ros", "--output", "a.yaml"}, "no 'left' in it");
   refused({"camchain.yaml", "--write", "ros"}, "--output left.yaml");
   refused({"camchain.yaml", "--output", "a.yaml"}, "--write");

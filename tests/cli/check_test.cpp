@@ -353,6 +353,24 @@ TEST(CheckADrawnSequence, TellsCamerasThatAreTurnedAgainstEachOther) {
   const RunResult track = run_flies(folder.path(), {"track", "drive", "--calib", "moved.yaml", "--json", "-"});
   EXPECT_THAT(track.err, HasSubstr("by how corners move from pair to pair, all disparities are"));
   EXPECT_NEAR(json::parse(lines(track.out).back()).at("ego").at("disparity_shift_px").get<double>(), -5.0, 1.0);
+
+  // What is told makes up for it: by option, and by a file that is made with it.
+  const auto tracks_of = [&](const Words& camera, bool is_silent) {
+    Words words = {"track", "drive", "--json", "-"};
+    words.insert(words.end(), camera.begin(), camera.end());
+    const RunResult run = run_flies(folder.path(), words);
+    if (is_silent) EXPECT_THAT(run.err, Not(HasSubstr("by how corners move")));
+    return json::parse(lines(run.out).back()).at("tracks");
+  };
+  const json as_drawn = tracks_of({"--calib", "drive/calib.yaml"}, true);
+  ASSERT_FALSE(as_drawn.empty());
+  EXPECT_NE(tracks_of({"--calib", "moved.yaml"}, false), as_drawn);
+  EXPECT_EQ(tracks_of({"--calib", "moved.yaml", "--disparity-shift", "-5"}, true), as_drawn);
+  ASSERT_EQ(run_flies(folder.path(),
+                      {"calib", "moved.yaml", "--disparity-shift", "-5", "--write", "yaml", "--output", "mended.yaml"})
+                .status,
+            0);
+  EXPECT_EQ(tracks_of({"--calib", "mended.yaml"}, true), as_drawn);
 }
 
 }  // namespace

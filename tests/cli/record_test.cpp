@@ -80,11 +80,13 @@ TEST_F(Record, OfDetectMakesItsRunAgain) {
   cv::hconcat(street_pair().left, low_right(2.0), both);
   write_image(folder.path() / "both.png", both);
   const Words plain = {"detect", "both.png", "--split", "side", "--calib", "calib.txt", "--json", "-"};
-  const Records first = records(plain, {"--preset", "handheld", "--evolve.flies", "700", "--seed", "7", "--cameras",
-                                        "0,1", "--baseline", "0.45", "--calib-size", "320,240", "--camera-pitch", "9"});
+  const Records first =
+      records(plain, {"--preset", "handheld", "--evolve.flies", "700", "--seed", "7", "--cameras", "0,1", "--baseline",
+                      "0.45", "--calib-size", "320,240", "--camera-pitch", "9", "--disparity-shift", "-0.25"});
   ASSERT_EQ(first.size(), 1U);
   const json& run = first[0].at("run");
-  const json input = {{"split", "side"}, {"cameras", "0,1"}, {"baseline", 0.45}, {"calib-size", "320,240"}};
+  const json input = {
+      {"split", "side"}, {"cameras", "0,1"}, {"baseline", 0.45}, {"disparity-shift", -0.25}, {"calib-size", "320,240"}};
   EXPECT_EQ(run.at("input"), input);
   EXPECT_EQ(first[0].at("diagnosis").at("mount").at("source"), "road") << "else the mount is only what was given";
   EXPECT_NEAR(run.at("row_correction").at("offset_px").get<double>(), 2.0, 0.2);

@@ -201,6 +201,10 @@ void check_outputs(const CalibArguments& arguments, bool is_ros) {
 
 void convert(const flies::Calibration& calibration, const CalibArguments& arguments) {
   const auto syntax = syntax_of(arguments.format);
+  if (calibration.rectifier && arguments.camera.disparity_shift_px != 0.0)
+    throw flies::InputError("--disparity-shift", arguments.file,
+                            "describes raw images, and a shift of rectified ones cannot be written into such a file: "
+                            "calibrate again, or give --disparity-shift to detect, track or live");
   const bool is_ros = syntax == flies::CalibrationSyntax::ros;
   if (is_ros && arguments.output.empty())
     throw flies::InputError("--write", "ros", "writes two files: name the one of the left camera (--output left.yaml)");
@@ -251,6 +255,7 @@ void setup_calib(CLI::App& app) {
   add_resized_option(*command, arguments->camera);
   add_calibrated_size_option(*command, arguments->camera);
   add_baseline_option(*command, arguments->camera);
+  add_disparity_shift_option(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
   command->add_option("--write", arguments->format, "convert to: kitti, opencv, ros, yaml")->type_name("FORMAT");
   command

@@ -268,6 +268,7 @@ void add_truth_options(CLI::App& command, EvaluateArguments& arguments) {
                      "left and right camera of a KITTI drive, e.g. 2,3; default: 0,1 if it has them, or else 2,3");
   command.add_option("--calib", arguments.calib, "calibration file, where the folder holds none")->type_name("FILE");
   add_baseline_option(command, arguments.camera);
+  add_disparity_shift_option(command, arguments.camera);
   add_mount_options(command, arguments.camera);
   add_correction_options(command, arguments.corrections);
   command

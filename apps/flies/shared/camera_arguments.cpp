@@ -40,6 +40,16 @@ void add_baseline_option(CLI::App& command, CameraArguments& arguments) {
       ->type_name("M");
 }
 
+void add_disparity_shift_option(CLI::App& command, CameraArguments& arguments) {
+  command
+      .add_option(
+          "--disparity-shift", arguments.disparity_shift_px,
+          "pixels added to every disparity, to correct cameras that are turned against each other by what `flies "
+          "check`, `track` or `live` reported")
+      ->check(in_range(-10000.0, 10000.0).description(""))
+      ->type_name("PX");
+}
+
 void add_calibrated_size_option(CLI::App& command, CameraArguments& arguments) {
   command
       .add_option("--calib-size", arguments.calibrated_size_px,
@@ -59,6 +69,7 @@ void add_calibration_options(CLI::App& command, CameraArguments& arguments) {
   add_raw_option(command, arguments);
   add_resized_option(command, arguments);
   add_baseline_option(command, arguments);
+  add_disparity_shift_option(command, arguments);
   add_calibrated_size_option(command, arguments);
 }
 

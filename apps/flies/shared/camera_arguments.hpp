@@ -17,17 +17,20 @@ struct CameraArguments {
   bool is_raw = false;                  ///< the images are as the cameras gave them
   bool is_resized = false;              ///< by any two scales from the size that the file is for
   std::optional<double> baseline_m;     ///< overrules the file's
+  double disparity_shift_px = 0.0;      ///< added to every disparity
   std::optional<double> height_m, pitch_deg, roll_deg;
 };
 
 void add_mount_options(CLI::App& command, CameraArguments& arguments);
 
-/// What is to be said beside `--calib FILE`: --right-calib, --calib-size, --raw, --resized, --baseline.
+/// What is to be said beside `--calib FILE`: --right-calib, --calib-size, --raw, --resized, --baseline,
+/// --disparity-shift.
 void add_calibration_options(CLI::App& command, CameraArguments& arguments);
 
 void add_raw_option(CLI::App& command, CameraArguments& arguments);
 void add_resized_option(CLI::App& command, CameraArguments& arguments);
 void add_baseline_option(CLI::App& command, CameraArguments& arguments);
+void add_disparity_shift_option(CLI::App& command, CameraArguments& arguments);
 void add_calibrated_size_option(CLI::App& command, CameraArguments& arguments);  ///< --calib-size
 
 /// @param meaning what `--cameras` does for this command
@@ -38,6 +41,7 @@ template <class Request>
 void fill_in(Request& request, const CameraArguments& arguments) {
   if (!arguments.cameras.empty()) request.cameras = std::array{arguments.cameras[0], arguments.cameras[1]};
   request.baseline_m = arguments.baseline_m;
+  request.disparity_shift_px = arguments.disparity_shift_px;
   request.camera_height_m = arguments.height_m;
   if (arguments.pitch_deg) request.camera_pitch_rad = flies::radians(*arguments.pitch_deg);
   if (arguments.roll_deg) request.camera_roll_rad = flies::radians(*arguments.roll_deg);

@@ -153,6 +153,8 @@ Texts input_of(const RunWords& words) {
   if (words.camera.is_raw) input.emplace_back("raw", "true");
   if (words.camera.is_resized) input.emplace_back("resized", "true");
   if (words.camera.baseline_m) input.emplace_back("baseline", fmt::format("{}", *words.camera.baseline_m));
+  if (words.camera.disparity_shift_px != 0.0)
+    input.emplace_back("disparity-shift", fmt::format("{}", words.camera.disparity_shift_px));
   add_numbers("calib-size", words.camera.calibrated_size_px);
   if (const auto mode = words.corrections.self_rectify; mode != SelfRectify::automatic)
     input.emplace_back("self-rectify", mode == SelfRectify::on ? "on" : "off");

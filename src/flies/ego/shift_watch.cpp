@@ -38,8 +38,9 @@ std::string note_on_shift(const DisparityShift& shift, std::size_t pairs, const 
   return fmt::format(
       "judged by how corners move from pair to pair, all disparities are {:.1f} px too {} ({} pairs, which differ by "
       "{:.1f} px): the cameras are turned against each other, or a principal point is wrong; what is reported at {:g} "
-      "m {}. Calibrate again; cx of the right camera should be {:.1f} if everything else is right",
-      std::abs(shift.px), shift.px > 0.0 ? "small" : "large", pairs, shift.deviation_px, said_m, truth,
+      "m {}. Calibrate again; until then --disparity-shift {:.1f} corrects it, if everything else is right (cx of the "
+      "right camera should be {:.1f})",
+      std::abs(shift.px), shift.px > 0.0 ? "small" : "large", pairs, shift.deviation_px, said_m, truth, shift.px,
       camera.cx_right_px + shift.px);
 }
 

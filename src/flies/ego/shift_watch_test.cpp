@@ -39,6 +39,7 @@ TEST(DisparityShiftWatch, TellsTheMedianOnceWhenItIsSure) {
   const std::string note = watch.first_note(camera());
   EXPECT_THAT(note, HasSubstr("all disparities are 5.0 px too large (10 pairs"));
   EXPECT_THAT(note, HasSubstr("what is reported at 20 m is really at 28.0 m"));
+  EXPECT_THAT(note, HasSubstr("until then --disparity-shift -5.0 corrects it"));
   EXPECT_THAT(note, HasSubstr("cx of the right camera should be 595.0"));
   watch.look(with_shift(-5.0));
   EXPECT_THAT(watch.first_note(camera()), IsEmpty());

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 CalibrationRequest calibration_request(const DatasetRequest& request) {
   CalibrationRequest wanted;
   wanted.baseline_m = request.baseline_m;
+  wanted.disparity_shift_px = request.disparity_shift_px;
   wanted.camera_height_m = request.camera_height_m;
   wanted.camera_pitch_rad = request.camera_pitch_rad;
   wanted.camera_roll_rad = request.camera_roll_rad;

@@ -33,7 +33,8 @@ struct DatasetRequest {
   std::string calib;  ///< for scenes, foot points and KITTI stereo, where the folder holds no calibration
   std::optional<std::array<int, 2>> cameras;  ///< of a KITTI drive, left and right; else 0 and 1 if there, else 2 and 3
   std::optional<double> baseline_m, camera_height_m, camera_pitch_rad, camera_roll_rad;  ///< overrule the calibration
-  bool find_mount = false;  ///< take the mount from the road where it clearly lies elsewhere (`find_mount`)
+  double disparity_shift_px = 0.0;  ///< pixels, added to every disparity (`CalibrationRequest`)
+  bool find_mount = false;          ///< take the mount from the road where it clearly lies elsewhere (`find_mount`)
 };
 
 /// One pair with its camera and truth.

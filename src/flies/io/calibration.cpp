@@ -193,6 +193,25 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
   camera = detail::scaled_camera(camera, *scale, request.width_px, request.height_px);
 }
 
+/// After all that judges the file as it is.
+void shift_disparities(const CalibrationRequest& request, Calibration& calibration) {
+  const double shift_px = request.disparity_shift_px;
+  if (shift_px == 0.0) return;
+  auto& camera = calibration.camera;
+  const double most_px = camera.width_px > 0 ? camera.width_px : 2.0 * camera.cx_px;
+  if (!(std::abs(shift_px) < most_px))
+    throw InputError("disparity shift", "--disparity-shift",
+                     fmt::format("{} px was asked for, expected less than the image is wide, which is {:.0f} px",
+                                 shift_px, most_px));
+  camera.cx_right_px += shift_px;
+  calibration.notes.push_back(
+      {fmt::format(
+           "all disparities are taken as {:.4g} px {} than the images show, as requested: cx of the right camera "
+           "is {:.2f}",
+           std::abs(shift_px), shift_px > 0.0 ? "larger" : "smaller", camera.cx_right_px),
+       CalibrationNoteKind::told});
+}
+
 /// The camera that the last folder or file name of this form names: "image_02", "image_2", "image_02_rect".
 std::optional<int> kitti_camera_of(const std::string& path) {
   std::optional<int> camera;
@@ -293,6 +312,7 @@ Calibration detail::completed(Calibration calibration, const CalibrationRequest&
     checked.cy_px = 0.5 * camera.height_px;
   }
   for (auto& note : check_plausible(checked, source, says_size)) calibration.notes.push_back({std::move(note)});
+  shift_disparities(request, calibration);
   return calibration;
 }
 

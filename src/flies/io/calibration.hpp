@@ -33,6 +33,9 @@ struct CalibrationRequest {
   std::optional<double> camera_height_m;
   std::optional<double> camera_pitch_rad;
   std::optional<double> camera_roll_rad;
+  /// Pixels of the rectified images, added to every disparity: makes up for cameras that are turned towards or away
+  /// from each other, or for a wrong principal point of one of them (docs/adr/0021). Less than the image is wide.
+  double disparity_shift_px = 0.0;
 };
 
 /// What a note on a calibration asks of its reader.

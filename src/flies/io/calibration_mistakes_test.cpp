@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "flies/io/calibration.hpp"
 #include "flies/io/for_images.hpp"
 #include "flies/io/formats/rig_texts.hpp"
@@ -27,6 +29,12 @@ using ::testing::StartsWith;
 CalibrationRequest with_baseline(double baseline_m) {
   CalibrationRequest request = for_images(640, 480);
   request.baseline_m = baseline_m;
+  return request;
+}
+
+CalibrationRequest shifted(double shift_px) {
+  CalibrationRequest request;
+  request.disparity_shift_px = shift_px;
   return request;
 }
 
@@ -169,6 +177,25 @@ TEST(Mistakes, SkewIsToldAndLeftOut) {
   ToyRig rig;
   rig.m1(0, 1) = 25.0;
   EXPECT_THAT(texts(load(raw(rig, kSize)).notes), Contains(HasSubstr("M1: its skew of 25 px is ignored")));
+}
+
+TEST(Mistakes, AShiftOfDisparitiesIsInPixelsOfTheImagesAndAfterAllThatJudgesTheFile) {
+  const std::string own =
+      "fx_px: 400\ncx_px: 320\ncx_right_px: 325\ncy_px: 240\nbaseline_m: 0.12\nwidth_px: 640\nheight_px: 480\n";
+  CalibrationRequest request = shifted(-2.5);
+  EXPECT_EQ(load(own, request).camera.cx_right_px, 322.5);
+  EXPECT_THAT(texts(load(own, request).notes, {CalibrationNoteKind::told}),
+              Contains(HasSubstr("2.5 px smaller than the images show")));
+  request.width_px = 320;
+  request.height_px = 240;
+  const auto halved = load(own, request), as_it_is = load(own, for_images(320, 240));
+  EXPECT_EQ(halved.camera.cx_right_px, as_it_is.camera.cx_right_px - 2.5);
+  ToyRig rig;
+  const auto raw_as_it_is = load(raw(rig, kSize), {});
+  EXPECT_EQ(load(raw(rig, kSize), shifted(3.0)).camera.cx_right_px, raw_as_it_is.camera.cx_right_px + 3.0);
+  for (const double absurd_px : {640.0, -640.0, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THAT(fault_of(own, shifted(absurd_px)), AllOf(HasSubstr("disparity shift"), HasSubstr("640 px")))
+        << absurd_px;
 }
 
 TEST(Mistakes, NegativeBaselinesNameTheirCauses) {

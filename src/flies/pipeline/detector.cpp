@@ -16,14 +16,19 @@
 namespace flies {
 namespace {
 
-/// Runs a stage and adds how long it took.
+/// Runs something and adds how long it took, in milliseconds.
 template <class Run>
-auto timed(StageTimes_ms& stage_ms, Stage stage, const Run& run) {
+auto timed(double& total_ms, const Run& run) {
   const auto start = std::chrono::steady_clock::now();
   auto result = run();
   const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
-  stage_ms[static_cast<std::size_t>(stage)] += elapsed.count();
+  total_ms += elapsed.count();
   return result;
+}
+
+template <class Run>
+auto timed(StageTimes_ms& stage_ms, Stage stage, const Run& run) {
+  return timed(stage_ms[static_cast<std::size_t>(stage)], run);
 }
 
 /// Something that another of the arena's threads works out while this one goes on; this one does when it asks for it
@@ -145,9 +150,13 @@ std::optional<PlanarMotion> Detector::find_obstacles(const RectifiedPair& pair, 
   EvolveOptions evolve = options_.evolve;
   evolve.flies = detail::flies_in(field, options_.field, evolve.flies);
   const auto scan = [&](const Population& flies) {
-    return timed(d.stage_ms, Stage::scan, [&] {
-      return scanner_.scan(pair, projection_, road, flies, options_.field, options_.scan, [&] { return motion.get(); });
+    double waiting_ms = 0.0;  // for the motion, which is no part of the scan
+    const auto moved = [&] { return timed(waiting_ms, [&] { return motion.get(); }); };
+    auto scan = timed(d.stage_ms, Stage::scan, [&] {
+      return scanner_.scan(pair, projection_, road, flies, options_.field, options_.scan, moved);
     });
+    d.stage_ms[static_cast<std::size_t>(Stage::scan)] -= waiting_ms;
+    return scan;
   };
   const bool scan_asks_flies = options_.scan.evidence.fly > 0.0;
   Meanwhile<Scan> scanned;

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -73,6 +75,21 @@ TEST(Tracker, GivesAMovingBoardItsVelocityBeforeAStandingBackdrop) {
   EXPECT_LT(std::hypot(now.ego.vx_mps, now.ego.vy_mps), 0.2) << "the camera stands";
   EXPECT_NEAR(now.tracks[0].velocity.vy_mps, 2.0, 0.4);
   EXPECT_NEAR(now.tracks[0].velocity.vx_mps, 0.0, 0.6);
+}
+
+TEST(Tracker, CountsNoTimeTwice) {
+  DetectorOptions options;
+  options.threads = 1;  // one stage after the other
+  Tracker tracker(camera(), options, {}, nullptr);
+  for (int i = 0; i < 4; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    const Tracking now = tracker.process(Scene(8 * i).pair(), 0.1 * i);
+    const std::chrono::duration<double, std::milli> whole = std::chrono::steady_clock::now() - start;
+    const auto& stages = now.detection.stage_ms;
+    EXPECT_GT(now.ego_ms, 0.0);
+    for (const double stage_ms : stages) EXPECT_GE(stage_ms, 0.0);
+    EXPECT_LE(std::accumulate(stages.begin(), stages.end(), now.ego_ms + now.track_ms), whole.count());
+  }
 }
 
 TEST(Tracker, ReportsNothingOfTheOldSceneAfterACut) {
