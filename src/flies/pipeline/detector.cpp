@@ -152,11 +152,11 @@ std::optional<PlanarMotion> Detector::find_obstacles(const RectifiedPair& pair, 
   const auto scan = [&](const Population& flies) {
     double waiting_ms = 0.0;  // for the motion, which is no part of the scan
     const auto moved = [&] { return timed(waiting_ms, [&] { return motion.get(); }); };
-    auto scan = timed(d.stage_ms, Stage::scan, [&] {
+    auto result = timed(d.stage_ms, Stage::scan, [&] {
       return scanner_.scan(pair, projection_, road, flies, options_.field, options_.scan, moved);
     });
     d.stage_ms[static_cast<std::size_t>(Stage::scan)] -= waiting_ms;
-    return scan;
+    return result;
   };
   const bool scan_asks_flies = options_.scan.evidence.fly > 0.0;
   Meanwhile<Scan> scanned;
