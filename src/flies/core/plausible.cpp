@@ -27,6 +27,8 @@ constexpr double kLeastFocal = 0.1, kProbableFocal = 0.233, kProbableMostFocal =
 /// A fisheye that shows half a sphere over the whole width has 0.32; picture circles may be far smaller than the
 /// sensor.
 constexpr double kLeastFisheyeFocal = 0.02;
+/// Lenses are shorter than that.
+constexpr double kMostOfLens_m = 0.1;
 /// Twice a principal point below it is no size in pixels.
 constexpr double kLeastSize_px = 2.0;
 
@@ -56,6 +58,11 @@ constexpr KittiCamera kKittiCameras[] = {
     {718.3351, 600.3891, 181.5122, 1238, 374},       {718.856, 607.1928, 185.2157, 1241, 376},
     {552.554261, 682.049453, 238.769549, 1408, 376},  // KITTI-360
 };
+
+/// Whether a camera has the numbers of one of KITTI's.
+bool is_kitti(const StereoCamera& camera) {
+  return std::ranges::any_of(kKittiCameras, [&](const KittiCamera& kitti) { return kitti.is(camera); });
+}
 
 /// Whether a camera is one of KITTI's, of whole images or resized ones: what is odd about its numbers is right.
 bool is_of_kitti(const StereoCamera& camera) {
@@ -155,9 +162,9 @@ std::vector<std::string> check_focal_length(const StereoCamera& camera, const st
     const auto view = sees_to_the_side ? "" : fmt::format(", a field of view of {:.3g} degrees", angle_deg);
     const auto found = fmt::format("{:.4g} px for images of {:.0f} px across{}", camera.fx_px, width_px, view);
     if (share < (sees_to_the_side ? kLeastFisheyeFocal : kLeastFocal))
-      throw InputError(
-          source, field,
-          fmt::format("found {}: is it in millimetres, or normalised by the image size? expected pixels", found));
+      throw InputError(source, field,
+                       fmt::format("found {}: is it in {}, or normalised by the image size? expected pixels", found,
+                                   camera.fx_px < kMostOfLens_m ? "metres" : "millimetres"));
     if (share > kMostFocal)
       throw InputError(source, field, fmt::format("found {}: is it in micrometres? expected pixels", found));
     if (!sees_to_the_side && (share < kProbableFocal || share > kProbableMostFocal))
@@ -207,8 +214,7 @@ std::vector<std::string> check_plausible(const StereoCamera& camera, const std::
 }
 
 std::optional<std::array<int, 2>> size_of_unsized(const StereoCamera& camera, int width_px, int height_px) {
-  const bool is_kitti = std::ranges::any_of(kKittiCameras, [&](const KittiCamera& k) { return k.is(camera); });
-  if (is_kitti) {
+  if (is_kitti(camera)) {
     const KittiCamera* best = nullptr;
     for (const auto& kitti : kKittiCameras) {
       if (!kitti.is(camera)) continue;
@@ -249,6 +255,23 @@ bool has_exchanged_size(const StereoCamera& camera, int width_px, int height_px)
   // A camera that stands on its side has its principal point in the middle of the size that is given.
   const double as_given = std::max(offset(camera.cx_px, height_px), offset(camera.cy_px, width_px));
   return std::max(across, down) <= kFarOffset && std::max(across, down) < as_given;
+}
+
+bool has_numbers_of(const StereoCamera& camera, int width_px, int height_px) {
+  if (camera.width_px == width_px || !one_scale(camera.width_px, camera.height_px, width_px, height_px)) return false;
+  const double across = camera.cx_px / camera.width_px - 0.5, down = camera.cy_px / camera.height_px - 0.5;
+  const bool is_far = std::min(std::abs(across), std::abs(down)) > kFarOffset && (across > 0.0) == (down > 0.0);
+  return is_far && std::max(offset(camera.cx_px, width_px), offset(camera.cy_px, height_px)) < kProbableOffset;
+}
+
+void check_not_exchanged(const StereoCamera& camera, int width_px, int height_px, const std::string& source,
+                         const std::string& field) {
+  if ((camera.cx_px < width_px && camera.cy_px < height_px) || is_kitti(camera)) return;
+  if (std::max(offset(camera.cy_px, width_px), offset(camera.cx_px, height_px)) > kFarOffset) return;
+  throw InputError(source, field,
+                   fmt::format("found ({:.1f}, {:.1f}) px for images of {} x {} px: cx and cy are swapped, or the "
+                               "images are turned by 90 degrees",
+                               camera.cx_px, camera.cy_px, width_px, height_px));
 }
 
 std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px) {

@@ -50,6 +50,17 @@ void check_size_of_unsized(const StereoCamera& camera, int width_px, int height_
 /// @param camera principal point and size
 bool has_exchanged_size(const StereoCamera& camera, int width_px, int height_px);
 
+/// Whether the numbers of a camera are those of the images at hand, whatever size its file says: the principal point
+/// lies far from the middle of that size, and in the middle of the images, from which it differs by one scale.
+/// @param camera principal point and the size that the file says
+bool has_numbers_of(const StereoCamera& camera, int width_px, int height_px);
+
+/// @param camera one whose file says no size
+/// @throws InputError when cx and cy are exchanged: they lie outside the images, and in their middle the other way
+/// round
+void check_not_exchanged(const StereoCamera& camera, int width_px, int height_px, const std::string& source,
+                         const std::string& field);
+
 /// The one scale between two sizes, each rounded to the nearest pixel or down; nothing when none fits.
 std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px);
 

@@ -12,6 +12,7 @@
 #include "flies/core/error.hpp"
 #include "flies/core/plausible.hpp"
 #include "flies/io/calibration_formats.hpp"
+#include "flies/io/formats/cross_checks.hpp"
 #include "flies/io/number_table.hpp"
 
 namespace flies {
@@ -138,12 +139,18 @@ bool take_with_fewer_rows(const CalibrationRequest& request, Calibration& calibr
   return true;
 }
 
-/// Before anything is held against the size.
-void exchange_size(const CalibrationRequest& request, Calibration& calibration) {
+/// Before anything is held against the size. Raw cameras were looked at before they were rectified.
+void correct_size(const CalibrationRequest& request, Calibration& calibration) {
   auto& camera = calibration.camera;
-  if (calibration.rectifier || !detail::has_exchanged_size(camera, request.width_px, request.height_px)) return;
-  std::swap(camera.width_px, camera.height_px);
-  calibration.notes.push_back({detail::note_on_exchanged_size(camera.width_px, camera.height_px)});
+  if (calibration.rectifier) return;
+  if (detail::has_exchanged_size(camera, request.width_px, request.height_px)) {
+    std::swap(camera.width_px, camera.height_px);
+    calibration.notes.push_back({detail::note_on_exchanged_size(camera.width_px, camera.height_px)});
+  } else if (detail::is_of_other_size(camera, request)) {
+    calibration.notes.push_back(detail::note_on_wrong_size(camera, request.width_px, request.height_px));
+    camera.width_px = request.width_px;
+    camera.height_px = request.height_px;
+  }
 }
 
 /// Brings the camera to the size of the images: given where the file has none, scaled where one scale fits.
@@ -155,6 +162,8 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
   }
   if (!calibration.rectifier) detail::check_said_size(camera.width_px, camera.height_px, request, source);
   if (request.width_px <= 0 || request.height_px <= 0) return;
+  if (camera.width_px == 0)
+    detail::check_not_exchanged(camera, request.width_px, request.height_px, source, "principal point");
   const auto deduced =
       camera.width_px == 0 ? detail::size_of_unsized(camera, request.width_px, request.height_px) : std::nullopt;
   if (deduced && take_with_fewer_rows(request, calibration, (*deduced)[0], (*deduced)[1])) return;
@@ -282,6 +291,19 @@ std::string detail::note_on_deduced_size(double cx_px, double cy_px, int width_p
       cx_px, cy_px, width_px, height_px);
 }
 
+bool detail::is_of_other_size(const StereoCamera& camera, const CalibrationRequest& request) {
+  return !request.images_are_resized && request.calibrated_width_px == 0 &&
+         has_numbers_of(camera, request.width_px, request.height_px);
+}
+
+CalibrationNote detail::note_on_wrong_size(const StereoCamera& camera, int width_px, int height_px) {
+  return {fmt::format(
+      "the file says images of {} x {} px, but its principal point ({:.1f}, {:.1f}) px is in the middle of images of "
+      "{} x {} px, as these are: its numbers are taken as those of the images, and not scaled; correct its size, or "
+      "give it with --calib-size if it is right",
+      camera.width_px, camera.height_px, camera.cx_px, camera.cy_px, width_px, height_px)};
+}
+
 std::string detail::note_on_exchanged_size(int width_px, int height_px) {
   return fmt::format(
       "the file's width and height are exchanged, as NumPy and MATLAB write rows first: taken as {} x {} px, which "
@@ -300,7 +322,7 @@ Calibration detail::completed(Calibration calibration, const CalibrationRequest&
   settle_baseline(request, source, calibration);
   apply_mount(request, calibration);
   auto& camera = calibration.camera;
-  exchange_size(request, calibration);
+  correct_size(request, calibration);
   check_camera(camera, source);
   const bool says_size = camera.width_px > 0;
   const double down_over_across = camera.fy_px / camera.fx_px;
@@ -332,6 +354,7 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
         fmt::format("is not used: {} is of the format {}, which holds everything in one file", path, format.name));
   auto calibration = format.read(table, request);
   calibration.format = format.name;
+  detail::check_statements(table, request, calibration);
   if (request.images_are_raw && !calibration.rectifier)
     throw InputError(
         path, "raw images",

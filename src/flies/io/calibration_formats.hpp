@@ -79,6 +79,12 @@ CalibrationNote note_on_scale(int width_px, int height_px, const ImageScale& sca
 /// The sentence on a size that the principal point told where the file has none.
 std::string note_on_deduced_size(double cx_px, double cy_px, int width_px, int height_px);
 
+/// Whether the numbers are those of the images, whatever size the file says, and the user says nothing else.
+bool is_of_other_size(const StereoCamera& camera, const CalibrationRequest& request);
+
+/// A doubt where a file says a size that its numbers are not for, and the images have the one that they are for.
+CalibrationNote note_on_wrong_size(const StereoCamera& camera, int width_px, int height_px);
+
 /// The sentence on a size whose width and height were exchanged.
 /// @param width_px, height_px as they are taken
 std::string note_on_exchanged_size(int width_px, int height_px);

@@ -300,5 +300,44 @@ TEST(LoadCalibration, DoesNotAskWhetherImagesWereStretchedThatWereSaidToBeResize
   EXPECT_THAT(notes(600.0), Contains(HasSubstr("stretched"))) << "the calibration itself is odd";
 }
 
+TEST(Mistakes, ASizeThatIsNotThatOfTheNumbersIsReplacedByThatOfTheImages) {
+  const std::string numbers = "fx: 721.5\ncx: 609.6\ncy: 172.9\nbaseline: 0.54\n";
+  for (const char* size : {"width: 621\nheight: 188\n", "width: 2484\nheight: 750\n"}) {
+    const auto calibration = load(numbers + size, for_images(1242, 375));
+    EXPECT_EQ(calibration.camera.fx_px, 721.5);
+    EXPECT_EQ(calibration.camera.width_px, 1242);
+    EXPECT_THAT(texts(calibration.notes, {CalibrationNoteKind::doubt}),
+                Contains(HasSubstr("its numbers are taken as those of the images, and not scaled")));
+  }
+  const auto scaled = load(numbers + "width: 1242\nheight: 375\n", for_images(621, 188));
+  EXPECT_NEAR(scaled.camera.fx_px, 360.75, 1e-9);
+  const std::string half = "image_width: 320\nimage_height: 240\n";
+  const auto of_raw = load(raw(ToyRig(), half), for_images(640, 480));
+  EXPECT_EQ(of_raw.rectifier->raw().left.matrix[0], 420.0);
+  EXPECT_THAT(texts(of_raw.notes), Contains(HasSubstr("and not scaled")));
+}
+
+TEST(Mistakes, ExchangedPrincipalPointsAreNamedWithoutASizeToo) {
+  EXPECT_THAT(fault_of("fx: 721.5\ncx: 172.9\ncy: 609.6\nbaseline: 0.54\n", for_images(1242, 375)),
+              HasSubstr("principal point: found (172.9, 609.6) px for images of 1242 x 375 px: cx and cy are swapped"));
+  ToyRig rig;
+  rig.m2(0, 2) = 120.0;
+  rig.m2(1, 2) = 500.0;
+  for (cv::Matx33d* m : {&rig.m1, &rig.m2}) (*m)(0, 0) = (*m)(1, 1) = 700.0;
+  rig.m1(0, 2) = 500.0;
+  rig.m1(1, 2) = 120.0;
+  EXPECT_THAT(fault_of(raw(rig, ""), for_images(1000, 240)), HasSubstr("M2: found (120.0, 500.0) px"));
+}
+
+TEST(Mistakes, TwoSizesBesideOpenCvsNamesAreRefusedUnlessOneIsSaid) {
+  const std::string two = kSize + "imageWidth: 1280\nimageHeight: 960\n";
+  EXPECT_THAT(fault_of(raw(ToyRig(), two)), HasSubstr("--calib-size W,H says it"));
+  CalibrationRequest said;
+  said.calibrated_width_px = 640;
+  said.calibrated_height_px = 480;
+  expect_rectifies(load(raw(ToyRig(), two), said), ToyRig());
+  expect_rectifies(load(raw(ToyRig(), kSize + "imageSize: [640, 480]\nboard_size: [9, 6]\nsize: [9, 6]\n")), ToyRig());
+}
+
 }  // namespace
 }  // namespace flies

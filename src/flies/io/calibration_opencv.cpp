@@ -1,20 +1,24 @@
 // What OpenCV's stereoCalibrate and stereoRectify leave behind, as YAML or XML.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/cross_checks.hpp"
 #include "flies/io/formats/opencv_names.hpp"
+#include "flies/io/formats/quantities.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
 namespace flies::detail {
 namespace {
 
-ImageSize size_of(const NumberTable& table, const OpenCvNames& names) {
+ImageSize first_size(const NumberTable& table, const OpenCvNames& names) {
   constexpr std::size_t kList = 2;  // a longer one tells its order itself
   if (!names.size.empty()) {
     const auto size = size_of_list(table, names.size);
@@ -23,6 +27,13 @@ ImageSize size_of(const NumberTable& table, const OpenCvNames& names) {
   }
   if (names.sides[0].empty()) return {};
   return {table.require_size(names.sides[0]), table.require_size(names.sides[1])};
+}
+
+/// @throws InputError when the file says two, and the user not which is meant
+ImageSize size_of(const NumberTable& table, const OpenCvNames& names, double cx_px, double cy_px,
+                  const CalibrationRequest& request) {
+  return agreed_size(table, first_size(table, names),
+                     {"", cx_px, cy_px, request.calibrated_width_px, request.calibrated_height_px});
 }
 
 /// First and last column, first and last row of a cropped image.
@@ -45,29 +56,116 @@ std::array<double, 9> intrinsics_of(const NumberTable& table, const std::string&
   return camera_matrix(numbers[0], numbers[1], numbers[2], numbers[3]);
 }
 
-/// A file whose lenses are free of distortion has nothing that looks like coefficients.
-void check_no_distortion(const NumberTable& table) {
+/// What looks like coefficients of distortion, whatever its name; "" when nothing does.
+std::string key_of_coefficients(const NumberTable& table) {
   constexpr std::size_t kFewest = 4, kMost = 14;
-  for (const auto& [key, entry] : table.entries) {
+  const auto found = std::ranges::find_if(table.entries, [](const auto& item) {
+    const auto& [key, entry] = item;
     const auto count = entry.numbers.size();
-    if ((key.starts_with('d') || key.starts_with('D')) && count >= kFewest && count <= kMost)
-      throw InputError(
-          table.source, key,
-          fmt::format("found {} numbers: are they distortion coefficients? expected those as D1 and D2", count));
-  }
+    return (key.starts_with('d') || key.starts_with('D')) && count >= kFewest && count <= kMost;
+  });
+  return found == table.entries.end() ? "" : found->first;
+}
+
+/// @throws InputError when a file whose lenses are taken as free of distortion has coefficients under another name
+void check_no_distortion(const NumberTable& table) {
+  const std::string key = key_of_coefficients(table);
+  if (key.empty()) return;
+  throw InputError(table.source, key,
+                   fmt::format("found {} numbers: are they distortion coefficients? expected those as D1 and D2",
+                               table.entries.at(key).numbers.size()));
+}
+
+/// Metres per unit of a distance of the cameras: the unit that the file names, unless that is of something else, as of
+/// the board, and the cameras would hardly stand so.
+double named_unit(const NumberTable& table, const std::string& key, double distance, CalibrationNotes& notes) {
+  constexpr double kLeast_m = 0.015, kMost_m = 3.0;
+  const auto is_likely = [](double distance_m) { return distance_m >= kLeast_m && distance_m <= kMost_m; };
+  const double unit = known_unit_of(table, key).value_or(1.0);
+  if (unit == 1.0 || is_likely(distance * unit) || !is_likely(distance)) return unit;
+  notes.push_back({fmt::format("{} is taken as metres, {:.4g} m: in the unit that the file names it would be {:.4g} m",
+                               key, distance, distance * unit)});
+  return 1.0;
 }
 
 /// MATLAB's world units are millimetres unless somebody chose others.
-double metres_per_unit(const OpenCvNames& names, const std::vector<double>& t, CalibrationNotes& notes) {
-  if (!names.is_of_matlab) return 1.0;
+double metres_per_unit(const NumberTable& table, const OpenCvNames& names, const std::vector<double>& t,
+                       CalibrationNotes& notes) {
+  if (!names.is_of_matlab || known_unit_of(table, names.translation))
+    return named_unit(table, names.translation, std::hypot(t[0], t[1], t[2]), notes);
   const bool is_millimetres = are_millimetres(t);
   notes.push_back({fmt::format("{} is taken as {} (correct it with --baseline M)", names.translation,
                                is_millimetres ? "millimetres, as MATLAB's world units are" : "metres")});
   return is_millimetres ? 1e-3 : 1.0;
 }
 
+/// From left to right, in metres.
+Pose read_pose(const NumberTable& table, const OpenCvNames& names, CalibrationNotes& notes) {
+  if (!names.pose.empty()) {
+    const Pose pose = pose_of(table, names.pose, notes);
+    return scaled(pose, named_unit(table, names.pose, length_of(names.pose, pose).value, notes));
+  }
+  const auto rotation = rotation_of(table, names.rotation, notes);
+  const auto& t = table.require(names.translation, 3);
+  return scaled({rotation, {t[0], t[1], t[2]}}, metres_per_unit(table, names, t, notes));
+}
+
+/// The same of a file that need not have it: nothing where it cannot be read.
+std::optional<FoundNumber> distance_in(const NumberTable& table, const OpenCvNames& names) {
+  if (!names.has_pose) return std::nullopt;
+  try {
+    CalibrationNotes of_unused;
+    return length_of(names.pose.empty() ? names.translation : names.pose, read_pose(table, names, of_unused));
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+/// The form of stereoRectify: 1 0 0 -cx, 0 1 0 -cy, 0 0 0 f, 0 0 -1/Tx (cx - cx')/Tx.
+bool is_reprojection(const std::vector<double>& q) {
+  constexpr double kZero = 1e-9;
+  constexpr std::size_t kCount = 16, kZeros[] = {1, 2, 4, 6, 8, 9, 10, 12, 13};
+  return q.size() == kCount && q[0] == 1.0 && q[5] == 1.0 && std::abs(q[14]) > kZero &&
+         std::ranges::all_of(kZeros, [&](std::size_t i) { return std::abs(q[i]) <= kZero; });
+}
+
+/// Notes that Q or R and T, which are not read, say something else than what is.
+/// @param focal that of rectified images; nothing when they are yet to be rectified
+void note_other_matrices(const NumberTable& table, const OpenCvNames& names, const FoundNumber& baseline,
+                         const FoundNumber* focal, const CalibrationRequest& request, CalibrationNotes& notes) {
+  if (const auto distance = distance_in(table, names); distance && distance->key != baseline.key)
+    note_other_baseline(baseline, *distance, request, notes);
+  const auto found = table.entries.find(names.reprojection);
+  if (found == table.entries.end() || !is_reprojection(found->second.numbers)) return;
+  const auto& q = found->second.numbers;
+  const double unit = known_unit_of(table, names.reprojection).value_or(1.0);
+  note_other_baseline(baseline, {names.reprojection, unit / q[14]}, request, notes);
+  if (focal != nullptr) note_other_focal_length(*focal, {names.reprojection, q[11]}, notes);
+}
+
+/// Of P1 and P2, which raw cameras need not have; nothing where they say none.
+std::optional<FoundNumber> baseline_of_projections(const NumberTable& table, const OpenCvNames& names) {
+  const auto last_of = [&](const std::string& key) -> std::optional<double> {
+    constexpr std::size_t kCount = 12;
+    const auto p = table.entries.find(key);
+    if (p == table.entries.end() || p->second.numbers.size() != kCount || p->second.numbers[0] == 0.0)
+      return std::nullopt;
+    return p->second.numbers[3] / p->second.numbers[0];
+  };
+  const auto left = last_of(names.projections[0]), right = last_of(names.projections[1]);
+  if (!left || !right) return std::nullopt;
+  const double unit = known_unit_of(table, names.projections[1]).value_or(1.0);
+  return FoundNumber{names.projections[1], unit * (*left - *right)};
+}
+
+/// Notes that a camera by its own names, as in a file by hand, has another focal length than the projections.
+void note_other_camera(const NumberTable& table, const FoundNumber& focal, CalibrationNotes& notes) {
+  const auto fx = table.entries.find("fx");
+  if (fx == table.entries.end() || fx->second.numbers.size() != 1 || table.has("k1")) return;
+  if (key_of_coefficients(table).empty()) note_other_focal_length(focal, {"fx", fx->second.numbers[0]}, notes);
+}
+
 Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const CalibrationRequest& request) {
-  const auto size = size_of(table, names);
   RawPair pair{{}, names.matrices[0], names.matrices[1], names.pose.empty() ? names.rotation : names.pose};
   const Lens lens = names.are_fisheyes          ? Lens::equidistant
                     : !names.mirrors[0].empty() ? Lens::mei
@@ -87,28 +185,24 @@ Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const C
     camera.distortion.insert(camera.distortion.begin(), table.require_number(names.mirrors[side]));
     return camera;
   };
-  pair.stereo.width_px = size.width_px;
-  pair.stereo.height_px = size.height_px;
   pair.stereo.left = camera_of(0);
   pair.stereo.right = camera_of(1);
-  if (names.pose.empty()) {
-    const auto rotation = rotation_of(table, names.rotation, pair.notes);
-    const auto& t = table.require(names.translation, 3);
-    set_pose(pair.stereo, scaled({rotation, {t[0], t[1], t[2]}}, metres_per_unit(names, t, pair.notes)));
-  } else {
-    set_pose(pair.stereo, pose_of(table, names.pose, pair.notes));
-  }
+  const auto& left = pair.stereo.left.matrix;
+  const auto size = size_of(table, names, left[2], left[5], request);
+  pair.stereo.width_px = size.width_px;
+  pair.stereo.height_px = size.height_px;
+  const Pose pose = read_pose(table, names, pair.notes);
+  set_pose(pair.stereo, pose);
+  const FoundNumber used = length_of(names.pose.empty() ? names.translation : names.pose, pose);
+  note_other_matrices(table, names, used, nullptr, request, pair.notes);
+  if (const auto other = baseline_of_projections(table, names)) note_other_baseline(used, *other, request, pair.notes);
   return calibration_from_raw(std::move(pair), request, table.source);
 }
 
-/// Q of rectified images, as stereoRectify gives it: 1 0 0 -cx, 0 1 0 -cy, 0 0 0 f, 0 0 -1/Tx (cx - cx')/Tx.
-Calibration read_reprojection(const NumberTable& table, const OpenCvNames& names) {
-  constexpr double kZero = 1e-9;
+/// Q of rectified images, as stereoRectify gives it.
+Calibration read_reprojection(const NumberTable& table, const OpenCvNames& names, const CalibrationRequest& request) {
   const auto& q = table.require(names.reprojection, 16);
-  const auto is_zero = [&](std::size_t i) { return std::abs(q[i]) <= kZero; };
-  const bool has_zeros = is_zero(1) && is_zero(2) && is_zero(4) && is_zero(6) && is_zero(8) && is_zero(9) &&
-                         is_zero(10) && is_zero(12) && is_zero(13);
-  if (!has_zeros || q[0] != 1.0 || q[5] != 1.0 || is_zero(14))
+  if (!is_reprojection(q))
     throw InputError(table.source, names.reprojection,
                      "is not of the form 1 0 0 -cx, 0 1 0 -cy, 0 0 0 f, 0 0 1/baseline c, as stereoRectify gives it");
   Calibration calibration;
@@ -117,8 +211,8 @@ Calibration read_reprojection(const NumberTable& table, const OpenCvNames& names
   camera.cx_px = -q[3];
   camera.cy_px = -q[7];
   camera.cx_right_px = camera.cx_px + q[15] / q[14];
-  camera.baseline_m = 1.0 / q[14];
-  const auto [width_px, height_px] = size_of(table, names);
+  camera.baseline_m = named_unit(table, names.reprojection, std::abs(1.0 / q[14]), calibration.notes) / q[14];
+  const auto [width_px, height_px] = size_of(table, names, camera.cx_px, camera.cy_px, request);
   camera.width_px = width_px;
   camera.height_px = height_px;
   calibration.left_name = calibration.right_name = names.reprojection;
@@ -137,7 +231,7 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
   }
   table = without_common_prefix(table);
   const OpenCvNames names = opencv_names(table);
-  if (!names.reprojection.empty()) return read_reprojection(table, names);
+  if (names.has_reprojection_only) return read_reprojection(table, names, request);
   const bool has_rectified = names.has_projections;
   const bool has_raw = names.has_matrices && names.has_pose;
   if (names.has_matrices && !has_raw && !has_rectified && !has_second_file && !table.has(names.rotation))
@@ -153,9 +247,16 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
   auto calibration = is_cropped
                          ? calibration_from_projections({table, "P1_roi"}, {table, "P2_roi"})
                          : calibration_from_projections({table, names.projections[0]}, {table, names.projections[1]});
-  const auto [width_px, height_px] = is_cropped ? size_of_crop(table) : size_of(table, names);
-  calibration.camera.width_px = width_px;
-  calibration.camera.height_px = height_px;
+  auto& camera = calibration.camera;
+  const auto [width_px, height_px] =
+      is_cropped ? size_of_crop(table) : size_of(table, names, camera.cx_px, camera.cy_px, request);
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  camera.baseline_m *= named_unit(table, calibration.right_name, std::abs(camera.baseline_m), calibration.notes);
+  const FoundNumber focal{calibration.left_name, camera.fx_px};
+  note_other_matrices(table, names, {calibration.left_name + " and " + calibration.right_name, camera.baseline_m},
+                      &focal, request, calibration.notes);
+  if (!names.has_matrices) note_other_camera(table, focal, calibration.notes);
   if (has_raw)
     calibration.notes.push_back(
         {"the images are taken as rectified because the file holds P1 and P2; M1, D1, M2, D2, R and T are ignored "
@@ -175,7 +276,7 @@ const CalibrationFormat kOpenCvStereo{"OpenCV stereo", false, true,
                                       [](const NumberTable& table) {
                                         const auto names = opencv_names(without_common_prefix(table));
                                         return names.has_matrices || names.has_projections ||
-                                               !names.reprojection.empty();
+                                               names.has_reprojection_only;
                                       },
                                       read_opencv};
 

@@ -12,6 +12,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/letters.hpp"
+#include "flies/io/formats/cross_checks.hpp"
 #include "flies/io/formats/nesting.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
@@ -148,11 +149,25 @@ std::map<int, Pose> way_from(const NumberTable& table, const Sockets& sockets, i
   return way;
 }
 
-Pose right_from_left(const NumberTable& table, const Sockets& sockets, int left, int right, CalibrationNotes& notes) {
+/// By the socket where the ways from both meet; sockets that point at each other meet at two.
+Pose right_from_left(const NumberTable& table, const Sockets& sockets, int left, int right,
+                     const CalibrationRequest& request, CalibrationNotes& notes) {
   const auto from_left = way_from(table, sockets, left, notes), from_right = way_from(table, sockets, right, notes);
-  for (const auto& [socket, pose] : from_left)
-    if (const auto meets = from_right.find(socket); meets != from_right.end())
-      return scaled(chained(inverse(meets->second), pose), kMetresPerCentimetre);
+  const auto by = [](int socket) { return fmt::format("extrinsics by way of socket {}", socket); };
+  std::optional<Pose> found;
+  std::string by_found;
+  for (const auto& [socket, pose] : from_left) {
+    const auto meets = from_right.find(socket);
+    if (meets == from_right.end()) continue;
+    const Pose by_this = scaled(chained(inverse(meets->second), pose), kMetresPerCentimetre);
+    if (found) {
+      note_other_baseline(length_of(by_found, *found), length_of(by(socket), by_this), request, notes);
+      continue;
+    }
+    found = by_this;
+    by_found = by(socket);
+  }
+  if (found) return *found;
   throw InputError(table.source, "extrinsics", fmt::format("lead from socket {} to {} nowhere", left, right));
 }
 
@@ -194,7 +209,7 @@ Calibration read_depthai(const NumberTable& file, const CalibrationRequest& requ
   pair.stereo.height_px = size.height_px;
   pair.stereo.left = depthai_camera(table, left_prefix);
   pair.stereo.right = depthai_camera(table, right_prefix);
-  set_pose(pair.stereo, right_from_left(table, sockets, left, right, pair.notes));
+  set_pose(pair.stereo, right_from_left(table, sockets, left, right, request, pair.notes));
   keep_middle_rows(pair, request);
   auto calibration = calibration_from_raw(std::move(pair), request, table.source);
   calibration.left_name = fmt::format("socket {}", left);

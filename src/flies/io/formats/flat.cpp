@@ -2,14 +2,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <set>
 #include <string>
 
 #include "flies/core/error.hpp"
+#include "flies/core/plausible.hpp"
 #include "flies/io/calibration_formats.hpp"
+#include "flies/io/formats/cross_checks.hpp"
 #include "flies/io/formats/lens_names.hpp"
 #include "flies/io/formats/nesting.hpp"
+#include "flies/io/formats/opencv_names.hpp"
 #include "flies/io/formats/quantities.hpp"
 
 namespace flies::detail {
@@ -65,6 +69,34 @@ double baseline_of(const NumberTable& table, const FoundCamera& camera, const Ca
   return missing_baseline(request, table.source, "baseline");
 }
 
+/// A translation beside the baseline is that of the right camera, as stereoCalibrate gives it, unless it goes elsewhere
+/// than to the side, as to a place on the vehicle.
+void note_translation(const NumberTable& table, double baseline_m, const CalibrationRequest& request,
+                      CalibrationNotes& notes) {
+  const OpenCvNames names = opencv_names(table);
+  const auto found = table.entries.find(names.translation);
+  constexpr std::size_t kCount = 3;
+  if (found == table.entries.end() || found->second.numbers.size() != kCount) return;
+  const auto& t = found->second.numbers;
+  constexpr double kMostSlant = 0.1;
+  if (std::hypot(t[1], t[2]) > kMostSlant * std::abs(t[0])) return;
+  const double unit = known_unit_of(table, names.translation).value_or(1.0);
+  note_other_baseline({"baseline", baseline_m}, length_of(names.translation, scaled({{}, {t[0], t[1], t[2]}}, unit)),
+                      request, notes);
+}
+
+/// @throws InputError when the focal length is in another unit than pixels, by the name that the file has for it
+void check_focal_unit(const FoundCamera& camera, ImageSize size, const std::string& source) {
+  StereoCamera checked;
+  checked.fx_px = camera.fx_px;
+  checked.fy_px = camera.fy_px;
+  checked.cx_px = camera.cx_px;
+  checked.width_px = size.width_px;
+  constexpr double kFewest_px = 20.0;  // of the smallest images
+  if (camera.fx_px > 0.0 && camera.fx_px < kFewest_px && camera.fy_px > 0.0)
+    check_focal_length(checked, source, camera.key);
+}
+
 Calibration read_flat(const NumberTable& table, const CalibrationRequest& request) {
   Calibration calibration;
   const NumberTable own = less_other_cameras(table);
@@ -79,7 +111,10 @@ Calibration read_flat(const NumberTable& table, const CalibrationRequest& reques
   if (!request.right_path.empty())
     throw InputError(request.right_path, "right calibration",
                      fmt::format("is not used: {} describes a rectified pair completely in one file", table.source));
-  const auto size = size_in(own);
+  note_translation(own, camera.baseline_m, request, calibration.notes);
+  const auto size =
+      size_in(own, {found.key, found.cx_px, found.cy_px, request.calibrated_width_px, request.calibrated_height_px});
+  check_focal_unit(found, size, table.source);
   camera.width_px = size.width_px;
   camera.height_px = size.height_px;
   calibration.left_name = calibration.right_name = found.key;

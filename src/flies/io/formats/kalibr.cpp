@@ -1,10 +1,12 @@
 // Kalibr's camchain.yaml: https://github.com/ethz-asl/kalibr/wiki/yaml-formats
 #include <fmt/format.h>
 
+#include <array>
 #include <optional>
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/cross_checks.hpp"
 #include "flies/io/formats/nesting.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
@@ -54,6 +56,28 @@ Pose from_first(const NumberTable& table, int camera, CalibrationNotes& notes) {
   return pose;
 }
 
+/// From the left to the right camera, by the chain or by the inertial unit.
+template <typename FromOrigin>
+Pose right_from_left(const NumberTable& table, const std::array<int, 2>& cameras, FromOrigin from_origin,
+                     CalibrationNotes& notes) {
+  const Pose right = from_origin(table, cameras[1], notes);
+  return chained(right, inverse(from_origin(table, cameras[0], notes)));
+}
+
+/// Notes that the poses of the inertial unit, which a chained file need not have, say another distance.
+void note_inertial(const NumberTable& table, const std::array<int, 2>& cameras, const FoundNumber& used,
+                   const CalibrationRequest& request, CalibrationNotes& notes) {
+  if (!has_inertial(table, cameras[0]) || !has_inertial(table, cameras[1])) return;
+  try {
+    CalibrationNotes of_unused;
+    const Pose pose = right_from_left(table, cameras, from_inertial, of_unused);
+    const char* name = table.has(name_of(cameras[1]) + ".T_cam_imu") ? "T_cam_imu" : "T_imu_cam";
+    note_other_baseline(used, length_of(name, pose), request, notes);
+  } catch (const InputError&) {
+    return;  // no poses, and nobody asked for them
+  }
+}
+
 /// What stands before "cam0": nothing, but for programs that keep the file's content below a key of theirs.
 std::optional<std::string> prefix_of(const NumberTable& table) {
   const std::string end = "cam0.intrinsics";
@@ -72,9 +96,9 @@ Calibration read_kalibr(const NumberTable& file, const CalibrationRequest& reque
   pair.stereo.right = read_camera(table, right);
   const bool is_chained =
       table.has("cam1.T_cn_cnm1") || !has_inertial(table, cameras[0]) || !has_inertial(table, cameras[1]);
-  const auto from_origin = is_chained ? from_first : from_inertial;
-  const Pose right_from_origin = from_origin(table, cameras[1], pair.notes);
-  set_pose(pair.stereo, chained(right_from_origin, inverse(from_origin(table, cameras[0], pair.notes))));
+  const Pose pose = right_from_left(table, cameras, is_chained ? from_first : from_inertial, pair.notes);
+  set_pose(pair.stereo, pose);
+  if (is_chained) note_inertial(table, cameras, length_of("T_cn_cnm1", pose), request, pair.notes);
   const auto size = size_of_list(table, left + ".resolution"), other = size_of_list(table, right + ".resolution");
   check_same_size(size, other, table.source, right + ".resolution");
   pair.stereo.width_px = size.width_px;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/cross_checks.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
 namespace flies::detail {
@@ -53,6 +54,16 @@ std::array<double, 9> read_matrix(const NumberTable& table, const std::string& c
   return m;
 }
 
+/// Notes that the file says the focal length under another name too, and not the same.
+void note_other_names(const NumberTable& table, const std::string& camera, double fx_px, CalibrationNotes& notes) {
+  const std::string used = matrix_key(table, camera);
+  for (const char* name : {"K", "FocalLength", "IntrinsicMatrix"}) {
+    const auto other = table.entries.find(camera + name);
+    if (other == table.entries.end() || other->first == used || other->second.numbers.size() < 2) continue;
+    note_other_focal_length({used, fx_px}, {other->first, other->second.numbers[0]}, notes);
+  }
+}
+
 RawCamera read_camera(const NumberTable& table, const std::string& camera) {
   const auto& radial = table.require(camera + "RadialDistortion");
   const auto& tangential = table.require(camera + "TangentialDistortion", 2);
@@ -95,6 +106,18 @@ Pose read_pose(const NumberTable& table, const std::string& prefix, CalibrationN
   return pose_of(table, pose_key, notes);
 }
 
+/// Notes that PoseCamera2, which newer versions write, says another distance than TranslationOfCamera2.
+void note_other_pose(const NumberTable& table, const std::string& prefix, const FoundNumber& used,
+                     double metres_per_unit, const CalibrationRequest& request, CalibrationNotes& notes) {
+  const auto other = table.entries.find(prefix + "PoseCamera2.Translation");
+  constexpr std::size_t kCount = 3;
+  if (!table.has(prefix + "RotationOfCamera2") || other == table.entries.end() ||
+      other->second.numbers.size() != kCount)
+    return;
+  const auto& t = other->second.numbers;
+  note_other_baseline(used, length_of(other->first, scaled({{}, {t[0], t[1], t[2]}}, metres_per_unit)), request, notes);
+}
+
 /// Rows and columns; the list is empty where nobody gave it.
 ImageSize size_in_file(const NumberTable& table, const std::string& key) {
   const auto entry = table.entries.find(key);
@@ -109,7 +132,12 @@ Calibration read_matlab(const NumberTable& table, const CalibrationRequest& requ
   RawPair pair{{}, matrix_key(table, left), matrix_key(table, right), prefix + "RotationOfCamera2"};
   pair.stereo.left = read_camera(table, left);
   pair.stereo.right = read_camera(table, right);
-  set_pose(pair.stereo, scaled(read_pose(table, prefix, pair.notes), metres_per_unit(table, prefix)));
+  note_other_names(table, left, pair.stereo.left.matrix[0], pair.notes);
+  note_other_names(table, right, pair.stereo.right.matrix[0], pair.notes);
+  const double unit = metres_per_unit(table, prefix);
+  const Pose pose = scaled(read_pose(table, prefix, pair.notes), unit);
+  set_pose(pair.stereo, pose);
+  note_other_pose(table, prefix, length_of(prefix + "TranslationOfCamera2", pose), unit, request, pair.notes);
   const auto size = size_in_file(table, left + "ImageSize");
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;

@@ -190,8 +190,9 @@ OpenCvNames opencv_names(const NumberTable& table) {
   names.size = keys.find_first({""}, kSize);
   names.is_rows_first = names.is_of_matlab || names.size.empty();
   if (names.size.empty()) names.size = keys.find_first({""}, kShape);
-  if (!names.has_matrices && !names.has_projections && !names.has_pose)
-    names.reprojection = keys.find_first({"", "stereo"}, kReprojection);
+  names.reprojection = keys.find_first({"", "stereo"}, kReprojection);
+  names.has_reprojection_only =
+      !names.reprojection.empty() && !names.has_matrices && !names.has_projections && !names.has_pose;
   for (const auto& [width, height] : kWidthHeight) {
     const Pair found = {single.find(width), single.find(height)};
     if (!has_any(found)) continue;

@@ -19,14 +19,15 @@ struct OpenCvNames {
   std::string size;                   ///< a list: width, height; empty where the file has none
   std::array<std::string, 2> sides;   ///< width and height, one each; empty where the file has neither
 
-  std::string reprojection;  ///< Q, where it stands alone; empty otherwise
+  std::string reprojection;  ///< Q; empty where the file has none
 
-  bool has_matrices = false;     ///< of one camera at least
-  bool has_projections = false;  ///< likewise
-  bool are_fisheyes = false;     ///< as the names of the distortions say
-  bool has_pose = false;         ///< rotation and translation, in one matrix or two
-  bool is_rows_first = false;    ///< the size is a list: height, width
-  bool is_of_matlab = false;     ///< the names are those of MATLAB's stereoParametersToOpenCV
+  bool has_matrices = false;           ///< of one camera at least
+  bool has_projections = false;        ///< likewise
+  bool are_fisheyes = false;           ///< as the names of the distortions say
+  bool has_reprojection_only = false;  ///< Q stands alone
+  bool has_pose = false;               ///< rotation and translation, in one matrix or two
+  bool is_rows_first = false;          ///< the size is a list: height, width
+  bool is_of_matlab = false;           ///< the names are those of MATLAB's stereoParametersToOpenCV
 };
 
 OpenCvNames opencv_names(const NumberTable& table);

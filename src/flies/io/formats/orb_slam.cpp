@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/cross_checks.hpp"
 #include "flies/io/formats/opencv_names.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
@@ -135,7 +136,10 @@ Calibration read_orb_slam(const NumberTable& table, const CalibrationRequest& re
   RawPair pair{{}, left + "fx", "Camera2.fx", pose_key};
   pair.stereo.left = read_camera(table, left, lens);
   pair.stereo.right = read_camera(table, "Camera2.", lens);
-  set_pose(pair.stereo, inverse(pose_of(table, pose_key, pair.notes)));
+  const Pose pose = inverse(pose_of(table, pose_key, pair.notes));
+  set_pose(pair.stereo, pose);
+  if (const auto b = table.entries.find("Stereo.b"); b != table.entries.end() && b->second.numbers.size() == 1)
+    note_other_baseline(length_of(pose_key, pose), {"Stereo.b", b->second.numbers[0]}, request, pair.notes);
   const auto size = size_of(table);
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;

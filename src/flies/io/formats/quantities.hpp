@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "flies/io/formats/raw_pair.hpp"
 #include "flies/io/number_table.hpp"
@@ -35,14 +36,38 @@ FoundCamera camera_in(const NumberTable& table, CalibrationNotes& notes);
 /// @throws InputError when two places say different things
 std::optional<FoundNumber> baseline_in(const NumberTable& table, double fx_px);
 
+/// What a file says of the baseline by that name below no other key, in metres; of any format, whose own baseline it
+/// may be. Words and unknown units are left out.
+std::vector<FoundNumber> named_baselines(const NumberTable& table);
+
+/// Middlebury's `doffs`: the column of the right principal point less that of the left one.
+std::optional<FoundNumber> doffs_in(const NumberTable& table);
+
+/// The largest error, in pixels, that a file says its calibration left: rms, avg_reprojection_error, ...
+std::optional<FoundNumber> calibration_error_in(const NumberTable& table);
+
 /// Metres per unit of the length at this key, where the file says so beside it or below no other key: `units: mm`.
 /// @throws InputError when it names an unknown one
 std::optional<double> unit_of(const NumberTable& table, const std::string& length);
 
+/// The same; nothing for an unknown one.
+std::optional<double> known_unit_of(const NumberTable& table, const std::string& length);
+
+/// Where the size of a camera's images is looked for.
+struct SizeQuery {
+  std::string camera_key;                     ///< of a number of the camera: sizes beside it are its own
+  double cx_px = 0.0, cy_px = 0.0;            ///< sizes of other things, as of a board, do not have it within
+  int said_width_px = 0, said_height_px = 0;  ///< of several sizes the user says this one; 0: none
+};
+
 /// width and height, or both in one: resolution: [640, 480], image_size: 640x480, image_shape: [480, 640]; 0 x 0 when
 /// the file has none.
-/// @throws InputError when it has only one, or no size can be read
-ImageSize size_in(const NumberTable& table);
+/// @throws InputError when it has only one, when two places say different things, or no size can be read
+ImageSize size_in(const NumberTable& table, const SizeQuery& query);
+
+/// The size that a file was found to have, unless its other keys say another.
+/// @throws InputError when they do, and the user does not say which is meant
+ImageSize agreed_size(const NumberTable& table, ImageSize found, const SizeQuery& query);
 
 /// @throws InputError unless two lengths of one thing are alike
 void check_same_length(const FoundNumber& one, const FoundNumber& other, const std::string& source);

@@ -133,6 +133,43 @@ TEST(Quantities, SizesAreListsAndWordsToo) {
   EXPECT_THAT(error(kCamera + "baseline: 0.12\nimage_size: [480, 640]\n"), HasSubstr("are swapped"));
 }
 
+TEST(Quantities, SizesThatContradictEachOtherAreRefusedUnlessOneIsSaid) {
+  const std::string camera = kCamera + "baseline: 0.12\n";
+  for (const char* other : {"image_width: 1280\nimage_height: 960\n", "image_size: [1280, 960]\n",
+                            "resolution: 1280x960\n", "image_shape: [960, 1280, 3]\n"})
+    EXPECT_THAT(error(camera + kSize + other),
+                AllOf(HasSubstr("1280 x 960 px"), HasSubstr("640 x 480 px"), HasSubstr("--calib-size W,H says it")));
+  for (const char* same : {"image_width: 640\nimage_height: 480\n", "image_size: [480, 640]\n", "resolution: 640x480\n",
+                           "image_shape: [480, 640, 3]\n"})
+    expect_camera(camera + kSize + same);
+  const TemporaryFolder folder;
+  CalibrationRequest request;
+  request.calibrated_width_px = 1280;
+  request.calibrated_height_px = 960;
+  const auto text = camera + kSize + "image_size: [1280, 960]\n";
+  EXPECT_EQ(load_calibration(folder.write("c", text), request).camera.width_px, 1280);
+}
+
+TEST(Quantities, SizesOfOtherThingsAreNotThoseOfTheImages) {
+  const std::string camera = "camera: {fx: 700, fy: 710, cx: 320, cy: 240, width: 640, height: 480}\nbaseline: 0.12\n";
+  for (const char* other : {"board: {width: 9, height: 6}\n", "vehicle: {width: 1.8, height: 1.5}\n",
+                            "board: {size: [9, 6]}\n", "board: {width: 9, rows: 6}\n"}) {
+    expect_camera(camera + other);
+    expect_camera(kCamera + "baseline: 0.12\nimage: {width: 640, height: 480}\n" + other);
+    const TemporaryFolder folder;
+    const auto unsized = folder.write("c", kCamera + "baseline: 0.12\n" + other);
+    EXPECT_EQ(load_calibration(unsized).camera.width_px, 0) << other;
+  }
+  expect_camera(kCamera + "baseline: 0.12\nimage_width: 640\nimage_height: 480\nwidth: 9\nheight: 6\n");
+}
+
+TEST(Quantities, AFocalLengthInMetresIsNamedByItsKey) {
+  EXPECT_THAT(error("f: 0.004\ncx: 320\ncy: 240\nbaseline: 0.12\n" + kSize),
+              AllOf(HasSubstr("f: found 0.004 px"), HasSubstr("is it in metres, or normalised")));
+  EXPECT_THAT(error("f: 4\ncx: 320\ncy: 240\nbaseline: 0.12\n" + kSize),
+              AllOf(HasSubstr("f: found 4 px"), HasSubstr("is it in millimetres, or normalised")));
+}
+
 TEST(Quantities, OneCameraAloneIsToldWhatIsMissing) {
   const std::string mono =
       "image_width: 640\nimage_height: 480\ncamera_matrix: [700, 0, 320, 0, 710, 240, 0, 0, 1]\n"

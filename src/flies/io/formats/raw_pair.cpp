@@ -55,8 +55,9 @@ bool is_rectified(const RawStereo& raw) {
 }
 
 /// The size of a file without one: what the user said, what the principal point tells, or that of the images.
-ImageSize size_of_unsized_pair(const RawStereo& raw, const CalibrationRequest& request, const std::string& source,
+ImageSize size_of_unsized_pair(const RawPair& pair, const CalibrationRequest& request, const std::string& source,
                                CalibrationNotes& notes) {
+  const RawStereo& raw = pair.stereo;
   if (request.calibrated_width_px > 0) return {request.calibrated_width_px, request.calibrated_height_px};
   if (request.images_are_resized)
     throw InputError(source, "image size",
@@ -65,6 +66,8 @@ ImageSize size_of_unsized_pair(const RawStereo& raw, const CalibrationRequest& r
     throw InputError(source, "image_width, image_height",
                      "are missing, but rectifying needs the size of the images: give it with --size W,H");
   const StereoCamera left = rectified_of(raw.left, raw);
+  check_not_exchanged(left, request.width_px, request.height_px, source, pair.left_key);
+  check_not_exchanged(rectified_of(raw.right, raw), request.width_px, request.height_px, source, pair.right_key);
   if (const auto deduced = size_of_unsized(left, request.width_px, request.height_px)) {
     notes.push_back({note_on_deduced_size(left.cx_px, left.cy_px, (*deduced)[0], (*deduced)[1])});
     return {(*deduced)[0], (*deduced)[1]};
@@ -75,16 +78,22 @@ ImageSize size_of_unsized_pair(const RawStereo& raw, const CalibrationRequest& r
 }
 
 /// Sees to it that the pair has a size, not that of another camera, and not width for height.
-void settle_size(RawStereo& raw, const CalibrationRequest& request, const std::string& source,
-                 CalibrationNotes& notes) {
+void settle_size(RawPair& pair, const CalibrationRequest& request, const std::string& source) {
+  RawStereo& raw = pair.stereo;
+  CalibrationNotes& notes = pair.notes;
   if (raw.width_px == 0 || raw.height_px == 0) {
-    const auto [width_px, height_px] = size_of_unsized_pair(raw, request, source, notes);
+    const auto [width_px, height_px] = size_of_unsized_pair(pair, request, source, notes);
     raw.width_px = width_px;
     raw.height_px = height_px;
   }
   if (has_exchanged_size(rectified_of(raw.left, raw), request.width_px, request.height_px)) {
     std::swap(raw.width_px, raw.height_px);
     notes.push_back({note_on_exchanged_size(raw.width_px, raw.height_px)});
+  }
+  if (const StereoCamera left = rectified_of(raw.left, raw); is_of_other_size(left, request)) {
+    notes.push_back(note_on_wrong_size(left, request.width_px, request.height_px));
+    raw.width_px = request.width_px;
+    raw.height_px = request.height_px;
   }
   check_said_size(raw.width_px, raw.height_px, request, source);
 }
@@ -134,7 +143,7 @@ void complete_distortion(RawPair& pair) {
 
 /// What most often makes two cameras see nothing in common; empty when neither size nor unit is odd.
 std::string cause_of_failure(const RawPair& pair) {
-  constexpr double kAlike = 1.4, kLeastBaseline_m = 0.005;
+  constexpr double kAlike = 1.4, kLeastBaseline_m = 0.005, kFarthest = 0.25;
   const RawStereo& raw = pair.stereo;
   const double left_px = raw.left.matrix[0], right_px = raw.right.matrix[0];
   const double apart_m = std::hypot(raw.translation_m[0], raw.translation_m[1], raw.translation_m[2]);
@@ -143,6 +152,12 @@ std::string cause_of_failure(const RawPair& pair) {
         "the focal lengths of {} and {} are {:.6g} and {:.6g} px, expected nearly the same: is one of them for images "
         "of another size?",
         pair.left_key, pair.right_key, left_px, right_px);
+  const double across = raw.left.matrix[2] / raw.width_px, down = raw.left.matrix[5] / raw.height_px;
+  if (std::max(std::abs(across - 0.5), std::abs(down - 0.5)) > kFarthest)
+    return fmt::format(
+        "{}: the principal point ({:.1f}, {:.1f}) px is far from the middle of images of {} x {} px: is that their "
+        "size, or are the numbers of the cameras those of other images?",
+        pair.left_key, raw.left.matrix[2], raw.left.matrix[5], raw.width_px, raw.height_px);
   if (apart_m < kLeastBaseline_m)
     return fmt::format(
         "the cameras stand {:.4g} m apart ({}): is the translation, or one of its numbers, in another unit?", apart_m,
@@ -169,7 +184,7 @@ Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request
   auto& raw = pair.stereo;
   complete_distortion(pair);
   check_raw_pair(pair, source);
-  settle_size(raw, request, source, pair.notes);
+  settle_size(pair, request, source);
   Calibration calibration;
   calibration.notes = std::move(pair.notes);
   for (auto& note : notes_on(pair, source)) calibration.notes.push_back(std::move(note));

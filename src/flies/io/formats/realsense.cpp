@@ -17,6 +17,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/io/formats/camera_modes.hpp"
+#include "flies/io/formats/cross_checks.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 #include "flies/io/number_lines.hpp"
 
@@ -96,17 +97,22 @@ RawCamera camera_of(const NumberTable& table, const std::string& title) {
   return camera;
 }
 
-Pose pose_between(const NumberTable& table, const StreamNames& streams) {
+/// That of the left camera's points, or the inverse of that of the right one's where the file has only this.
+Pose pose_between(const NumberTable& table, const StreamNames& streams, const CalibrationRequest& request,
+                  CalibrationNotes& notes) {
   const auto read = [&](const std::string& title) {
     Pose pose{matrix_of(table, title + ".Rotation Matrix"), {}};
     std::ranges::copy(table.require(title + ".Translation Vector", 3), pose.translation.begin());
     return pose;
   };
-  const std::string back = extrinsic_of(streams.right, streams.left);
-  return table.has(back + ".Translation Vector") &&
-                 !table.has(extrinsic_of(streams.left, streams.right) + ".Translation Vector")
-             ? inverse(read(back))
-             : read(extrinsic_of(streams.left, streams.right));
+  const std::string there = extrinsic_of(streams.left, streams.right), back = extrinsic_of(streams.right, streams.left);
+  const auto has = [&](const std::string& title) { return table.has(title + ".Translation Vector"); };
+  if (has(back) && !has(there)) return inverse(read(back));
+  const Pose pose = read(there);
+  constexpr std::size_t kCount = 3;
+  if (has(back) && table.entries.at(back + ".Translation Vector").numbers.size() == kCount)
+    note_other_baseline(length_of(there, pose), length_of(back, read(back)), request, notes);
+  return pose;
 }
 
 Calibration read_realsense(const NumberTable& table, const CalibrationRequest& request) {
@@ -128,7 +134,7 @@ Calibration read_realsense(const NumberTable& table, const CalibrationRequest& r
                right,
                extrinsic_of(streams.left, streams.right),
                std::move(chosen.notes)};
-  set_pose(pair.stereo, pose_between(table, streams));
+  set_pose(pair.stereo, pose_between(table, streams, request, pair.notes));
   if (request.width_px == 0 && request.calibrated_width_px == 0 && sizes.size() > 1)
     pair.notes.push_back({fmt::format("of {} sizes in the file the largest was taken, {} x {} px", sizes.size(),
                                       size.width_px, size.height_px),

@@ -192,9 +192,10 @@ Pose dumped_pose(const NumberTable& table, double fx_px, const CalibrationReques
 }
 
 /// Of the camera; or of both, beside them.
-ImageSize dumped_size(const NumberTable& table, const std::string& camera, const NumberTable& beside) {
-  const auto size = size_in(below(table, camera));
-  return size.width_px > 0 ? size : size_in(beside);
+ImageSize dumped_size(const NumberTable& table, const std::string& camera, const NumberTable& beside,
+                      const SizeQuery& query) {
+  const auto size = size_in(below(table, camera), query);
+  return size.width_px > 0 ? size : size_in(beside, query);
 }
 
 /// That other cameras are left out: a doubt where the pose does not say which of all it is between.
@@ -212,8 +213,11 @@ Calibration read_two_cameras(const NumberTable& whole, const CalibrationRequest&
   NumberTable beside = table;
   std::erase_if(beside.entries,
                 [&](const auto& item) { return item.first.starts_with(left) || item.first.starts_with(right); });
-  const ImageSize size = dumped_size(table, left, beside);
-  check_same_size(size, dumped_size(table, right, beside), table.source, right + "width");
+  const SizeQuery query{cameras.column, table.require_number(left + cameras.column),
+                        table.require_number(left + cameras.row), request.calibrated_width_px,
+                        request.calibrated_height_px};
+  const ImageSize size = dumped_size(table, left, beside, query);
+  check_same_size(size, dumped_size(table, right, beside, query), table.source, right + "width");
   CalibrationNotes notes;
   const Lens lens = named_lens(table, notes);
   RawPair pair{{size.width_px, size.height_px, camera_at(table, left, cameras.column, cameras.row, lens),
