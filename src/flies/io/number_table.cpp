@@ -13,6 +13,7 @@
 #include "flies/io/foreign_files.hpp"
 #include "flies/io/formats/realsense.hpp"
 #include "flies/io/number_lines.hpp"
+#include "flies/io/opencv_base64.hpp"
 #include "flies/io/text_file.hpp"
 #include "flies/io/yaml_text.hpp"
 
@@ -40,7 +41,10 @@ void check_count(const NumberTable& table) {
 void append_yaml_numbers(const YAML::Node& node, NumberEntry& entry, const std::string& key, const std::string& source,
                          int depth) {
   check_entry_size(entry, key, source);
-  if (node.IsScalar()) append_words(entry, node.Scalar());
+  if (node.IsScalar() && detail::is_opencv_base64(node.Scalar(), node.Tag()))
+    detail::append_opencv_base64(node.Scalar(), entry);
+  else if (node.IsScalar())
+    append_words(entry, node.Scalar());
   if (node.IsSequence() && depth < kMaxDepth)
     for (const auto& item : node) append_yaml_numbers(item, entry, key, source, depth + 1);
 }
@@ -73,39 +77,27 @@ void flatten_yaml(const YAML::Node& node, const std::string& prefix, NumberTable
     if (item.first.IsScalar()) add_yaml(item.second, prefix + item.first.Scalar(), table, depth);
 }
 
-/// OpenCV's YAML starts with a directive that is not YAML ("%YAML:1.0"), and needs no blank behind the colon of a key
-/// ("data:[1, 0]"), which YAML does.
-std::string as_yaml(const std::string& text) {
+/// YAML wants a blank behind the colon of a key. OpenCV's does not ("data:[1, 0]"), and people forget it ("fx:700").
+/// @param words where the value is no number, list or map either: elsewhere `host:port` is a word
+std::string with_blanks_behind_keys(const std::string& text, bool words) {
   std::string yaml;
-  std::istringstream lines(text.substr(std::min(text.find('\n'), text.size())));
+  std::istringstream lines(text);
   for (std::string line; std::getline(lines, line); yaml += line + '\n') {
     const auto is_of_a_key = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; };
     const auto first = std::find_if(line.begin(), line.end(), [](char c) { return c != ' '; });
     const auto colon = std::find_if_not(first, line.end(), is_of_a_key);
     const bool is_key = colon != first && !std::isdigit(static_cast<unsigned char>(*first)) && colon != line.end() &&
                         *colon == ':' && std::next(colon) != line.end();
-    if (is_key) line.insert(std::next(colon), ' ');
+    if (is_key && (words || std::string_view("+-.[{0123456789").find(*std::next(colon)) != std::string_view::npos))
+      line.insert(std::next(colon), ' ');
   }
   return yaml;
 }
 
-/// The documents of a YAML text that hold something: lines of `---` stand between them.
-std::vector<std::string> documents_of(const std::string& text) {
-  std::vector<std::string> documents(1);
-  bool is_blank = true;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    const auto first = line.find_first_not_of(" \t"), last = line.find_last_not_of(" \t");
-    const bool is_border = last == 2 && line.starts_with("---");
-    if (is_border && !is_blank) documents.emplace_back();
-    if (is_border && is_blank) documents.back().clear();
-    if (is_border) is_blank = true;
-    if (is_border) continue;
-    documents.back() += line + '\n';
-    is_blank = is_blank && (first == std::string::npos || line[first] == '#' || line[first] == '%');
-  }
-  if (is_blank && documents.size() > 1) documents.pop_back();
-  return documents;
+/// OpenCV's YAML starts with a directive that is not YAML: "%YAML:1.0".
+std::string as_yaml(const std::string& text) {
+  const bool is_opencv = text.starts_with("%YAML");
+  return with_blanks_behind_keys(is_opencv ? text.substr(std::min(text.find('\n'), text.size())) : text, is_opencv);
 }
 
 NumberTable table_of(const std::string& yaml, const std::string& source) {
@@ -122,14 +114,29 @@ const NumberEntry* projection_of(const NumberTable& table) {
   return nullptr;
 }
 
+bool are_same(const NumberEntry& a, const NumberEntry& b) {
+  return a.numbers == b.numbers && a.not_a_number == b.not_a_number;
+}
+
+bool have_same_entries(const NumberTable& a, const NumberTable& b) {
+  return std::ranges::equal(a.entries, b.entries, [](const auto& one, const auto& other) {
+    return one.first == other.first && are_same(one.second, other.second);
+  });
+}
+
+std::string first_line_of(const std::string& text) {
+  const auto first = std::min(text.find_first_not_of(" \t\n"), text.size());
+  return text.substr(first, std::min(text.find('\n', first), text.size()) - first);
+}
+
 /// Messages of ROS that were printed one after the other: of one camera again and again, or of the left and of the
-/// right one. What OpenCV appends to a file are more keys of the same.
+/// right one. What OpenCV appends to a file are more keys of the same. A log may repeat all of a calibration.
 void merge_documents(const std::vector<std::string>& documents, NumberTable& table) {
   constexpr std::size_t kMost = 1000;  // each costs a comparison with all cameras, of which there are two
   if (documents.size() > kMost)
     throw InputError(
         table.source, "",
-        fmt::format("holds {} documents (between lines of ---), expected at most {}", documents.size(), kMost));
+        fmt::format("holds {} documents, one behind the other, expected at most {}", documents.size(), kMost));
   std::vector<NumberTable> cameras;
   for (std::size_t i = 0; i < documents.size(); ++i) {
     const bool may_be_cut = i > 0 && i + 1 == documents.size() && projection_of(cameras.front());
@@ -140,10 +147,15 @@ void merge_documents(const std::vector<std::string>& documents, NumberTable& tab
       if (!may_be_cut) throw;
     }
     if (may_be_cut && !projection_of(camera)) break;  // a message that was being printed when the program was ended
+    if (i > 0 && camera.entries.empty())
+      throw InputError(table.source, "",
+                       fmt::format("found '{}' behind the first of its maps, expected nothing or another one",
+                                   first_line_of(documents[i])));
     const NumberEntry* projection = projection_of(camera);
-    const bool is_known = projection && std::ranges::any_of(cameras, [&](const NumberTable& other) {
-                            return projection_of(other) && projection_of(other)->numbers == projection->numbers;
-                          });
+    const bool is_known = std::ranges::any_of(cameras, [&](const NumberTable& other) {
+      const NumberEntry* known = projection_of(other);
+      return (projection && known && known->numbers == projection->numbers) || have_same_entries(camera, other);
+    });
     if (!is_known) cameras.push_back(std::move(camera));
   }
   const bool are_ros = std::ranges::all_of(cameras, [](const NumberTable& camera) { return projection_of(camera); });
@@ -153,24 +165,23 @@ void merge_documents(const std::vector<std::string>& documents, NumberTable& tab
         fmt::format("holds {} cameras between lines of ---, expected the left and then the right one", cameras.size()));
   const bool is_pair = are_ros && cameras.size() == 2;
   for (std::size_t i = 0; i < cameras.size(); ++i)
-    for (auto& [key, entry] : cameras[i].entries) {
+    for (const auto& [key, entry] : cameras[i].entries) {
       const std::string whole = (!is_pair ? "" : i == 0 ? "left." : "right.") + key;
-      if (!table.entries.emplace(whole, std::move(entry)).second)
-        throw InputError(table.source, whole,
-                         fmt::format("stands in two of the {} documents that the file holds (between lines of ---)",
-                                     documents.size()));
+      const auto [at, is_new] = table.entries.try_emplace(whole, entry);
+      if (!is_new && !are_same(at->second, entry))
+        throw InputError(
+            table.source, whole,
+            fmt::format("stands in two of the {} documents that the file holds, one behind the other, with "
+                        "other numbers: keep one calibration",
+                        documents.size()));
       check_count(table);
     }
 }
 
-void parse_yaml(std::string text, NumberTable& table) {
-  if (text.starts_with("%YAML")) text = as_yaml(text);
-  // JSON may be indented by tabs, YAML may not.
-  if (text.find_first_not_of(" \t\n") != std::string::npos && text[text.find_first_not_of(" \t\n")] == '{')
-    std::replace(text.begin(), text.end(), '\t', ' ');
-  const auto documents = documents_of(text);
+void parse_yaml(const std::string& text, NumberTable& table) {
+  const auto documents = detail::documents_of(as_yaml(text));
   if (documents.size() > 1) return merge_documents(documents, table);
-  table.entries = table_of(text, table.source).entries;
+  table.entries = table_of(documents[0], table.source).entries;
 }
 
 bool is_opencv_xml(std::string_view text) {
@@ -180,7 +191,11 @@ bool is_opencv_xml(std::string_view text) {
 
 /// A matrix has its numbers in its child `data`, a list in children `_`, a number or a size in its own text.
 void append_xml_numbers(const pugi::xml_node& node, NumberEntry& entry) {
-  append_words(entry, node.child("data") ? node.child_value("data") : node.child_value());
+  const pugi::xml_node data = node.child("data") ? node.child("data") : node;
+  if (detail::is_opencv_base64(data.child_value(), data.attribute("type_id").value()))
+    detail::append_opencv_base64(data.child_value(), entry);
+  else
+    append_words(entry, data.child_value());
   for (const pugi::xml_node item : node.children("_")) append_words(entry, item.child_value());
 }
 

@@ -2,7 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+#include <sstream>
+#include <string_view>
+
 #include "flies/core/error.hpp"
+#include "flies/io/json_text.hpp"
 
 namespace flies::detail {
 namespace {
@@ -37,18 +43,90 @@ int line_with_tab(const std::string& text) {
   return 0;
 }
 
+/// The first line that has no blank behind the colon of its key, from 1, and the key; 0: there is none.
+struct KeyWithoutBlank {
+  int line = 0;
+  std::string key;
+};
+KeyWithoutBlank key_without_blank(const std::string& text) {
+  const auto is_of_a_key = [](unsigned char c) { return std::isalnum(c) || c == '_'; };
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    const auto first = std::find_if(line.begin(), line.end(), [](char c) { return c != ' '; });
+    const auto colon = std::find_if_not(first, line.end(), is_of_a_key);
+    const std::string_view rest(line.data() + (colon - line.begin()), static_cast<std::size_t>(line.end() - colon));
+    const bool is_glued = rest.size() > 1 && rest[0] == ':' && std::string_view(" \t:/\\").find(rest[1]) == rest.npos;
+    if (colon != first && is_glued) return {number, std::string(first, colon)};
+  }
+  return {};
+}
+
+/// What YAML wants otherwise than people write it, which its own errors do not name.
+void check_habits(const std::string& text, const std::string& source) {
+  if (const int line = line_with_tab(text); line > 0)
+    throw InputError(source, fmt::format("line {}", line),
+                     "malformed YAML: is indented with a tab, expected blanks, as YAML wants them");
+  if (const auto glued = key_without_blank(text); glued.line > 0)
+    throw InputError(
+        source, fmt::format("line {}", glued.line),
+        fmt::format("malformed YAML: found no blank behind '{}:', expected one, as YAML wants it", glued.key));
+}
+
+/// Whether a document begins or ends here: `---`, what it holds may stand behind that, or `...`
+bool is_border(std::string_view line) {
+  const bool is_mark = line.starts_with("---") || line.starts_with("...");
+  return is_mark && (line.size() == 3 || line[3] == ' ' || line[3] == '\t');
+}
+
+/// As `documents_of`, of borders alone.
+std::vector<std::string> between_borders(const std::string& text) {
+  std::vector<std::string> documents(1);
+  bool is_blank = true;
+  std::istringstream lines(text);
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    if (is_border(line)) {
+      if (!is_blank) documents.emplace_back();
+      // Errors name lines.
+      documents.back() = documents.size() == 1 ? std::string(static_cast<std::size_t>(count), '\n') : "";
+      is_blank = true;
+      line.replace(0, 3, "   ");
+    }
+    documents.back() += line + '\n';
+    const auto first = line.find_first_not_of(" \t");
+    is_blank = is_blank && (first == std::string::npos || line[first] == '#' || line[first] == '%');
+  }
+  if (is_blank && documents.size() > 1) documents.pop_back();
+  return documents;
+}
+
 }  // namespace
 
+std::vector<std::string> documents_of(const std::string& text) {
+  std::vector<std::string> documents;
+  for (auto& document : between_borders(text)) {
+    if (!is_json_text(document)) {
+      documents.push_back(std::move(document));
+      continue;
+    }
+    for (auto& value : json_values_of(document)) documents.push_back(std::move(value));
+  }
+  return documents;
+}
+
 YAML::Node load_yaml(const std::string& text, const std::string& source) {
+  const auto documents = documents_of(text);
+  if (documents.size() != 1)
+    throw InputError(source, "",
+                     fmt::format("holds {} documents, one behind the other, expected one", documents.size()));
   try {
-    YAML::Node root = YAML::Load(text);
+    YAML::Node root = YAML::Load(documents[0]);
     std::size_t count = 0;
     count_nodes(root, source, 0, count);
     return root;
   } catch (const YAML::Exception& error) {
-    if (const int line = line_with_tab(text); line > 0)
-      throw InputError(source, fmt::format("line {}", line),
-                       "malformed YAML: is indented with a tab, expected blanks, as YAML wants them");
+    check_habits(documents[0], source);
     throw InputError(source, error.mark.is_null() ? "" : fmt::format("line {}", error.mark.line + 1),
                      fmt::format("malformed YAML: {}", error.msg));
   } catch (const InputError&) {
