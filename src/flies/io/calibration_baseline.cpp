@@ -48,10 +48,9 @@ void check_baseline(const Calibration& calibration, const CalibrationRequest& re
     std::string causes = calibration.left_name == calibration.right_name
                              ? "expected a distance, above 0: is it a translation, or are left and right swapped?"
                              : fmt::format("left and right are swapped ({})", pair);
-    if (calibration.format == kKalibr.name || calibration.format == kBasalt.name) {
-      const auto [left, right] = request.cameras.value_or(std::array{0, 1});
-      causes += fmt::format(" (--cameras {},{} exchanges them)", right, left);
-    }
+    if (calibration.format == kKalibr.name || calibration.format == kBasalt.name)  // whose names end in the camera
+      causes +=
+          fmt::format(" (--cameras {},{} exchanges them)", calibration.right_name.back(), calibration.left_name.back());
     if (calibration.rectifier)
       causes +=
           ", or rotation and translation (R, T) are the pose of the right camera instead of the transformation of "

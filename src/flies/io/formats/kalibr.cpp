@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -49,19 +50,23 @@ bool has_inertial(const NumberTable& table, int camera) {
   return table.has(name_of(camera) + ".T_cam_imu") || table.has(name_of(camera) + ".T_imu_cam");
 }
 
-/// The pose of a camera in the frame of the first one: the file chains them.
-Pose from_first(const NumberTable& table, int camera, CalibrationNotes& notes) {
+/// Points of a camera in the frame of a later one: the file chains each to the one before it.
+Pose along_chain(const NumberTable& table, int from, int to, CalibrationNotes& notes) {
   Pose pose;
-  for (int i = 1; i <= camera; ++i) pose = chained(pose_of(table, name_of(i) + ".T_cn_cnm1", notes), pose);
+  for (int i = from + 1; i <= to; ++i) pose = chained(pose_of(table, name_of(i) + ".T_cn_cnm1", notes), pose);
   return pose;
 }
 
-/// From the left to the right camera, by the chain or by the inertial unit.
-template <typename FromOrigin>
-Pose right_from_left(const NumberTable& table, const std::array<int, 2>& cameras, FromOrigin from_origin,
-                     CalibrationNotes& notes) {
-  const Pose right = from_origin(table, cameras[1], notes);
-  return chained(right, inverse(from_origin(table, cameras[0], notes)));
+/// From the left to the right camera, by where both stand in the frame of the inertial unit.
+Pose by_inertial(const NumberTable& table, const std::array<int, 2>& cameras, CalibrationNotes& notes) {
+  const Pose right = from_inertial(table, cameras[1], notes);
+  return chained(right, inverse(from_inertial(table, cameras[0], notes)));
+}
+
+/// The same by the chain.
+Pose by_chain(const NumberTable& table, const std::array<int, 2>& cameras, CalibrationNotes& notes) {
+  const auto [left, right] = cameras;
+  return left < right ? along_chain(table, left, right, notes) : inverse(along_chain(table, right, left, notes));
 }
 
 /// Notes that the poses of the inertial unit, which a chained file need not have, say another distance.
@@ -70,7 +75,7 @@ void note_inertial(const NumberTable& table, const std::array<int, 2>& cameras, 
   if (!has_inertial(table, cameras[0]) || !has_inertial(table, cameras[1])) return;
   try {
     CalibrationNotes of_unused;
-    const Pose pose = right_from_left(table, cameras, from_inertial, of_unused);
+    const Pose pose = by_inertial(table, cameras, of_unused);
     const char* name = table.has(name_of(cameras[1]) + ".T_cam_imu") ? "T_cam_imu" : "T_imu_cam";
     note_other_baseline(used, length_of(name, pose), request, notes);
   } catch (const InputError&) {
@@ -78,25 +83,44 @@ void note_inertial(const NumberTable& table, const std::array<int, 2>& cameras, 
   }
 }
 
-/// What stands before "cam0": nothing, but for programs that keep the file's content below a key of theirs.
-std::optional<std::string> prefix_of(const NumberTable& table) {
-  const std::string end = "cam0.intrinsics";
+constexpr int kMostCameras = 10;
+
+/// Those that are asked for, or the first two of the file; a chain may have been cut out of a longer one.
+std::array<int, 2> cameras_of(const NumberTable& table, const CalibrationRequest& request) {
+  const auto has = [&](int camera) { return table.has(name_of(camera) + ".intrinsics"); };
+  if (request.cameras || has(0)) return request.cameras.value_or(std::array{0, 1});
+  int first = 1;
+  while (first < kMostCameras && !has(first)) ++first;
+  return {first, first + 1};
+}
+
+/// What stands before this key, below no other or below those of programs that keep the file's content below a key of
+/// theirs.
+std::optional<std::string> prefix_of_key(const NumberTable& table, const std::string& end) {
   for (const auto& [key, entry] : table.entries)
     if (key.ends_with(end) && (key.size() == end.size() || key[key.size() - end.size() - 1] == '.'))
       return key.substr(0, key.size() - end.size());
   return std::nullopt;
 }
 
+/// What stands before "cam0", or before the first camera of a chain that lacks it.
+std::optional<std::string> prefix_of(const NumberTable& table) {
+  if (auto prefix = prefix_of_key(table, "cam0.intrinsics")) return prefix;
+  for (int camera = 1; camera < kMostCameras; ++camera)
+    if (auto prefix = prefix_of_key(table, name_of(camera) + ".T_cn_cnm1")) return prefix;
+  return std::nullopt;
+}
+
 Calibration read_kalibr(const NumberTable& file, const CalibrationRequest& request) {
   const NumberTable table = below(file, prefix_of(file).value_or(""));
-  const auto cameras = request.cameras.value_or(std::array{0, 1});
+  const auto cameras = cameras_of(table, request);
   const std::string left = name_of(cameras[0]), right = name_of(cameras[1]);
   RawPair pair{{}, left, right, right + ".T_cn_cnm1"};
   pair.stereo.left = read_camera(table, left);
   pair.stereo.right = read_camera(table, right);
   const bool is_chained =
       table.has("cam1.T_cn_cnm1") || !has_inertial(table, cameras[0]) || !has_inertial(table, cameras[1]);
-  const Pose pose = right_from_left(table, cameras, is_chained ? from_first : from_inertial, pair.notes);
+  const Pose pose = is_chained ? by_chain(table, cameras, pair.notes) : by_inertial(table, cameras, pair.notes);
   set_pose(pair.stereo, pose);
   if (is_chained) note_inertial(table, cameras, length_of("T_cn_cnm1", pose), request, pair.notes);
   const auto size = size_of_list(table, left + ".resolution"), other = size_of_list(table, right + ".resolution");
