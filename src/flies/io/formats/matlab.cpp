@@ -19,6 +19,13 @@ namespace {
 constexpr std::array<std::string_view, 2> kFirstCamera = {"CameraParameters1.RadialDistortion",
                                                           "CameraParameters1.Intrinsics.RadialDistortion"};
 
+/// Of a fisheyeParameters: the key of the coefficients of its own model.
+std::optional<std::string> key_of_mapping(const NumberTable& table) {
+  for (const auto& [key, entry] : table.entries)
+    if (key.substr(key.rfind('.') + 1) == "MappingCoefficients") return key;
+  return std::nullopt;
+}
+
 /// What stands before the names: the file may hold the struct below a key of its own.
 std::optional<std::string> prefix_of(const NumberTable& table) {
   for (const auto& [key, entry] : table.entries)
@@ -39,6 +46,16 @@ std::string matrix_key(const NumberTable& table, const std::string& camera) {
   return camera + "IntrinsicMatrix";
 }
 
+/// Before 1 is subtracted, which hides it.
+void check_not_transposed(const std::array<double, 9>& m, const std::string& source, const std::string& key) {
+  if (m[2] != 0.0 || m[5] != 0.0 || !(m[6] > 1.0) || !(m[7] > 1.0)) return;
+  throw InputError(source, key,
+                   key.ends_with("K") ? "is transposed, expected fx 0 cx, 0 fy cy, 0 0 1, as MATLAB writes K: is it an "
+                                        "IntrinsicMatrix?"
+                                      : "is transposed, expected fx 0 0, 0 fy 0, cx cy 1, as MATLAB writes "
+                                        "IntrinsicMatrix: is it a K?");
+}
+
 /// IntrinsicMatrix multiplies from the right: it is the transposed of K. Both count pixels from 1.
 std::array<double, 9> read_matrix(const NumberTable& table, const std::string& camera) {
   const std::string key = matrix_key(table, camera);
@@ -48,6 +65,7 @@ std::array<double, 9> read_matrix(const NumberTable& table, const std::string& c
     m = camera_matrix(focal[0], focal[1], centre[0], centre[1]);
   } else {
     m = key.ends_with("K") ? matrix_of(table, key) : transposed(matrix_of(table, key));
+    check_not_transposed(m, table.source, key);
   }
   m[2] -= 1.0;
   m[5] -= 1.0;
@@ -127,6 +145,10 @@ ImageSize size_in_file(const NumberTable& table, const std::string& key) {
 }
 
 Calibration read_matlab(const NumberTable& table, const CalibrationRequest& request) {
+  if (const auto key = key_of_mapping(table))
+    throw InputError(table.source, *key,
+                     "is of MATLAB's fisheye model (Scaramuzza's), which is not read: calibrate with OpenCV's fisheye "
+                     "model, or undistort the images in MATLAB and calibrate those");
   const std::string prefix = prefix_of(table).value_or("");
   const std::string left = camera_of(table, prefix, 1), right = camera_of(table, prefix, 2);
   RawPair pair{{}, matrix_key(table, left), matrix_key(table, right), prefix + "RotationOfCamera2"};
@@ -146,7 +168,9 @@ Calibration read_matlab(const NumberTable& table, const CalibrationRequest& requ
 
 }  // namespace
 
-const CalibrationFormat kMatlab{"MATLAB stereoParameters", false, false,
-                                [](const NumberTable& table) { return prefix_of(table).has_value(); }, read_matlab};
+const CalibrationFormat kMatlab{
+    "MATLAB stereoParameters", false, false,
+    [](const NumberTable& table) { return prefix_of(table).has_value() || key_of_mapping(table).has_value(); },
+    read_matlab};
 
 }  // namespace flies::detail

@@ -88,11 +88,21 @@ std::vector<std::string> keys_of(const NumberTable& table, Names names, Fits fit
   return on_top.empty() ? below : on_top;
 }
 
+/// Of two places of one thing; a matrix may stand row by row in one and column by column in the other.
+bool say_the_same(const std::vector<double>& one, const std::vector<double>& other) {
+  constexpr std::size_t kSide = 3;
+  if (one == other) return true;
+  if (one.size() != kSide * kSide || other.size() != one.size()) return false;
+  for (std::size_t i = 0; i < one.size(); ++i)
+    if (one[i] != other[i % kSide * kSide + i / kSide]) return false;
+  return true;
+}
+
 /// The one of them that counts: the first below no other key, or that of which all say the same; "" when there is none.
 std::string chosen(const NumberTable& table, const std::vector<std::string>& keys) {
   if (keys.empty() || is_on_top(keys[0])) return keys.empty() ? "" : keys[0];
   for (const auto& key : keys)
-    if (table.entries.find(key)->second.numbers != table.entries.find(keys[0])->second.numbers)
+    if (!say_the_same(table.entries.find(key)->second.numbers, table.entries.find(keys[0])->second.numbers))
       throw InputError(table.source, keys[0],
                        fmt::format("stands in the file as {} too, with other numbers: which is meant? Keep one camera "
                                    "of a rectified pair, or one pair whose keys say left and right",
