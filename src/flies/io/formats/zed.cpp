@@ -2,9 +2,11 @@
 // https://github.com/stereolabs/zed-open-capture (examples/include/calibration.hpp); lengths in millimetres.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
+#include "flies/core/error.hpp"
 #include "flies/io/formats/camera_modes.hpp"
 #include "flies/io/formats/pose_reading.hpp"
 #include "flies/io/formats/raw_pair.hpp"
@@ -27,8 +29,17 @@ bool has_mode(const NumberTable& table, const Mode& mode) {
   return table.has(fmt::format("LEFT_CAM_{}.fx", mode.name));
 }
 
+/// Firmware of early years writes the other one.
+const char* baseline_name(const NumberTable& table) { return table.has("STEREO.BaseLine") ? "BaseLine" : "Baseline"; }
+
+bool has_stereo(const NumberTable& table) { return table.has(fmt::format("STEREO.{}", baseline_name(table))); }
+
 /// That of the images; see `choose_mode`.
+/// @throws InputError also where the file was cut short
 const Mode& mode_of(const NumberTable& table, const CalibrationRequest& request, CalibrationNotes& notes) {
+  if (!has_stereo(table))
+    throw InputError(table.source, "[STEREO]",
+                     "is missing, or has no Baseline: is the file cut short? Download it again from Stereolabs");
   std::vector<const Mode*> modes;
   std::vector<CameraMode> sizes;
   for (const Mode& mode : kModes)
@@ -36,6 +47,11 @@ const Mode& mode_of(const NumberTable& table, const CalibrationRequest& request,
       modes.push_back(&mode);
       sizes.push_back({mode.width_px, mode.height_px, table.require_number(fmt::format("LEFT_CAM_{}.fx", mode.name))});
     }
+  if (modes.empty())
+    throw InputError(
+        table.source, "[LEFT_CAM_HD]",
+        "is missing or empty, and so are those of all other modes: is the file cut short? Download it again "
+        "from Stereolabs");
   auto chosen = choose_mode(sizes, request, table.source);
   notes = std::move(chosen.notes);
   return *modes[chosen.index];
@@ -56,9 +72,6 @@ RawCamera read_camera(const NumberTable& table, const std::string& side, const M
   if (!is_fisheye && raw.distortion.size() > 5) raw.distortion.resize(kRational, 0.0);
   return raw;
 }
-
-/// Firmware of early years writes the other one.
-const char* baseline_name(const NumberTable& table) { return table.has("STEREO.BaseLine") ? "BaseLine" : "Baseline"; }
 
 Calibration read_zed(const NumberTable& table, const CalibrationRequest& request) {
   CalibrationNotes notes;
@@ -87,6 +100,11 @@ Calibration read_zed(const NumberTable& table, const CalibrationRequest& request
 
 const CalibrationFormat kZed{
     "ZED SN.conf", false, false,
-    [](const NumberTable& table) { return table.has(fmt::format("STEREO.{}", baseline_name(table))); }, read_zed};
+    [](const NumberTable& table) {
+      constexpr int kSeveral = 2;  // one may be of two cameras of another kind, which --baseline completes
+      return has_stereo(table) ||
+             std::ranges::count_if(kModes, [&](const Mode& mode) { return has_mode(table, mode); }) >= kSeveral;
+    },
+    read_zed};
 
 }  // namespace flies::detail
