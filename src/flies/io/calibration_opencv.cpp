@@ -165,7 +165,8 @@ void note_other_camera(const NumberTable& table, const FoundNumber& focal, Calib
   if (key_of_coefficients(table).empty()) note_other_focal_length(focal, {"fx", fx->second.numbers[0]}, notes);
 }
 
-Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const CalibrationRequest& request) {
+/// The pair without its pose.
+RawPair raw_pair(const NumberTable& table, const OpenCvNames& names, const CalibrationRequest& request) {
   RawPair pair{{}, names.matrices[0], names.matrices[1], names.pose.empty() ? names.rotation : names.pose};
   const Lens lens = names.are_fisheyes          ? Lens::equidistant
                     : !names.mirrors[0].empty() ? Lens::mei
@@ -191,12 +192,45 @@ Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const C
   const auto size = size_of(table, names, left[2], left[5], request);
   pair.stereo.width_px = size.width_px;
   pair.stereo.height_px = size.height_px;
+  return pair;
+}
+
+Calibration read_raw(const NumberTable& table, const OpenCvNames& names, const CalibrationRequest& request) {
+  RawPair pair = raw_pair(table, names, request);
   const Pose pose = read_pose(table, names, pair.notes);
   set_pose(pair.stereo, pose);
   const FoundNumber used = length_of(names.pose.empty() ? names.translation : names.pose, pose);
   note_other_matrices(table, names, used, nullptr, request, pair.notes);
   if (const auto other = baseline_of_projections(table, names)) note_other_baseline(used, *other, request, pair.notes);
   return calibration_from_raw(std::move(pair), request, table.source);
+}
+
+bool are_straight(const RawStereo& stereo) {
+  const auto is_straight = [](const RawCamera& camera) {
+    return camera.lens == Lens::brown &&
+           std::ranges::all_of(camera.distortion, [](double coefficient) { return coefficient == 0.0; });
+  };
+  return is_straight(stereo.left) && is_straight(stereo.right);
+}
+
+/// Two cameras without a pose: a baseline is enough for rectified ones, whose lenses bend nothing.
+Calibration read_side_by_side(const NumberTable& table, const OpenCvNames& names, const CalibrationRequest& request) {
+  RawPair pair = raw_pair(table, names, request);
+  const auto baseline = baseline_in(table, pair.stereo.left.matrix[0]);
+  if ((!baseline && !request.baseline_m) || !are_straight(pair.stereo) || table.has(names.translation))
+    throw InputError(table.source, names.rotation,
+                     "is missing, so the pose of the cameras is not known: if that is in a file of its own "
+                     "(extrinsics.yml), give it too with --right-calib FILE; for rectified images a baseline is enough "
+                     "if no lens has distortion");
+  if (!baseline) check_asked_baseline(*request.baseline_m, table.source);
+  pair.pose_key = baseline ? baseline->key : "baseline";
+  set_pose(pair.stereo, {Pose{}.rotation, {-(baseline ? baseline->value : *request.baseline_m), 0.0, 0.0}});
+  auto calibration = calibration_from_pair(std::move(pair), request, table.source);
+  if (calibration.rectifier)
+    calibration.notes.push_back(
+        {"the file does not say how the cameras are turned against each other (R): they are "
+         "taken as looking the same way"});
+  return calibration;
 }
 
 /// Q of rectified images, as stereoRectify gives it.
@@ -235,9 +269,7 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
   const bool has_rectified = names.has_projections;
   const bool has_raw = names.has_matrices && names.has_pose;
   if (names.has_matrices && !has_raw && !has_rectified && !has_second_file && !table.has(names.rotation))
-    throw InputError(table.source, names.rotation,
-                     "is missing, so the pose of the cameras is not known: if that is in a file of its own "
-                     "(extrinsics.yml), give it too with --right-calib FILE");
+    return read_side_by_side(table, names, request);
   // Intrinsics given as a file of their own say that the images are raw; beside P1 and P2 they are just the record of
   // the calibration.
   if (request.images_are_raw || !has_rectified || (has_raw && has_second_file)) return read_raw(table, names, request);

@@ -86,9 +86,10 @@ const CalibrationFormat kCityscapes{
 const CalibrationFormat kCameraMatrixText{"FoundationStereo K.txt", false, false,
                                           [](const NumberTable& table) { return table.has(kBareNumbers); }, read_k_txt};
 
-const CalibrationFormat kStereodemo{"stereodemo calibration", false, false,
-                                    [](const NumberTable& table) { return table.has("baseline_meters"); },
-                                    read_stereodemo};
+const CalibrationFormat kStereodemo{
+    "stereodemo calibration", false, false,
+    [](const NumberTable& table) { return table.has("baseline_meters") && (table.has("cx0") || table.has("cx1")); },
+    read_stereodemo};
 
 const CalibrationFormat kStixel{"stixel camera", false, false,
                                 [](const NumberTable& table) { return table.has("FocalLengthX"); }, read_stixel};

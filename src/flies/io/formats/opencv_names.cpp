@@ -134,6 +134,16 @@ class Keys {
         if (auto key = find(prefix + name); !key.empty()) return key;
     return "";
   }
+  /// Below the key of the right camera, and not below that of the left one: `right.R`.
+  std::string find_below_right(const Words& names) const {
+    const auto find_below = [&](const std::string& side) {
+      const std::string key = find_first({side, side + "extrinsics", side + "extrinsic"}, names);
+      return key.find('.') == std::string::npos ? "" : key;
+    };
+    for (const auto& [left, right] : kSides)
+      if (auto key = find_below(right); !key.empty() && find_below(left).empty()) return key;
+    return "";
+  }
   std::string find_of_side(const Words& names, const std::string& side, const std::string& ending) const {
     for (const auto& name : names)
       for (const auto& plain : {name + side + ending, side + name + ending})
@@ -168,8 +178,11 @@ OpenCvNames opencv_names(const NumberTable& table) {
   const Keys keys(table, false), single(table, true);
   const auto has_any = [](const Pair& pair) { return !pair[0].empty() || !pair[1].empty(); };
   const Pair matrices = keys.find_of_sides(kMatrix), projections = keys.find_of_sides(kProjection);
-  const std::string rotation = keys.find_first(kOfBoth, kRotation);
-  const std::string translation = keys.find_first(kOfBoth, kTranslation);
+  std::string rotation = keys.find_first(kOfBoth, kRotation), translation = keys.find_first(kOfBoth, kTranslation);
+  if (rotation.empty() && translation.empty()) {
+    rotation = keys.find_below_right(kRotation);
+    translation = keys.find_below_right(kTranslation);
+  }
   OpenCvNames names;
   names.has_matrices = has_any(matrices);
   names.has_projections = has_any(projections);
