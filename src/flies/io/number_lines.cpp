@@ -159,6 +159,19 @@ std::vector<std::string> assignments(const std::vector<std::string>& lines) {
   return count > 1 ? found : std::vector<std::string>();
 }
 
+/// The lines of numbers that Bouguet's toolbox prints, as assignments: `Focal Length: fc_left = [ 533 534 ] ± [ 1 2 ]`.
+/// What stands behind the bracket is how sure they are.
+std::vector<std::string> printed_by_bouguet(const std::vector<std::string>& lines) {
+  std::vector<std::string> found;
+  for (const auto& line : lines) {
+    const auto colon = line.find(':'), equals = line.find('=', std::min(colon, line.size()));
+    const auto end = line.find(']', std::min(equals, line.size()));
+    if (end != std::string::npos) found.push_back(trimmed(std::string_view(line).substr(colon + 1, end - colon)));
+  }
+  const bool is_known = std::ranges::any_of(found, [](const auto& line) { return line.starts_with("fc_left"); });
+  return is_known ? found : std::vector<std::string>();
+}
+
 /// A table of one row below the names of its columns: `fx,fy,cx,cy` and then their numbers.
 bool parse_row_below_names(const std::vector<std::string>& lines, NumberTable& table) {
   if (lines.size() != 2) return false;
@@ -269,7 +282,8 @@ bool parse_lines_of_numbers(const std::string& text, NumberTable& table) {
     parse_keyed_lines(lines, ':', table);
     return true;
   }
-  if (const auto found = assignments(lines); !found.empty()) {
+  for (const auto& found : {assignments(lines), printed_by_bouguet(lines)}) {
+    if (found.empty()) continue;
     parse_keyed_lines(found, '=', table);
     return true;
   }
