@@ -172,14 +172,17 @@ Pose right_from_left(const NumberTable& table, const Sockets& sockets, int left,
 }
 
 /// Images of a video mode, 16:9, of a sensor with more rows: DepthAI scales them to the sensor's width and keeps the
-/// middle rows (CalibrationHandler::getCameraIntrinsics), as 720 of the 800 of an OV9282.
-void keep_middle_rows(RawPair& pair, const CalibrationRequest& request) {
+/// middle rows (CalibrationHandler::getCameraIntrinsics), as 720 of the 800 of an OV9282. The size that the user says
+/// may be that of the sensor or of these rows.
+/// @returns whether it was so
+bool keep_middle_rows(RawPair& pair, const CalibrationRequest& request) {
   auto& raw = pair.stereo;
   const bool is_video = 9 * request.width_px == 16 * request.height_px && request.width_px > 0;
-  if (!is_video || request.images_are_resized || request.calibrated_width_px > 0 ||
-      9 * raw.width_px >= 16 * raw.height_px)
-    return;
+  if (!is_video || request.images_are_resized || 9 * raw.width_px >= 16 * raw.height_px) return false;
   const int rows = 9 * raw.width_px / 16, cut_off = raw.height_px - rows;
+  const bool says_other = request.calibrated_width_px != raw.width_px ||
+                          (request.calibrated_height_px != raw.height_px && request.calibrated_height_px != rows);
+  if (request.calibrated_width_px > 0 && says_other) return false;
   pair.notes.push_back(
       {fmt::format("the calibration is for {} x {} px, of which the images have the middle {} rows, as DepthAI's 16:9 "
                    "modes have (--resized: they were squeezed instead)",
@@ -187,6 +190,7 @@ void keep_middle_rows(RawPair& pair, const CalibrationRequest& request) {
        CalibrationNoteKind::told});
   raw.height_px = rows;
   for (RawCamera* camera : {&raw.left, &raw.right}) camera->matrix[5] -= 0.5 * cut_off;
+  return true;
 }
 
 Calibration read_depthai(const NumberTable& file, const CalibrationRequest& request) {
@@ -210,8 +214,9 @@ Calibration read_depthai(const NumberTable& file, const CalibrationRequest& requ
   pair.stereo.left = depthai_camera(table, left_prefix);
   pair.stereo.right = depthai_camera(table, right_prefix);
   set_pose(pair.stereo, right_from_left(table, sockets, left, right, request, pair.notes));
-  keep_middle_rows(pair, request);
-  auto calibration = calibration_from_raw(std::move(pair), request, table.source);
+  CalibrationRequest of_rows = request;
+  if (keep_middle_rows(pair, request)) of_rows.calibrated_width_px = of_rows.calibrated_height_px = 0;
+  auto calibration = calibration_from_raw(std::move(pair), of_rows, table.source);
   calibration.left_name = fmt::format("socket {}", left);
   calibration.right_name = fmt::format("socket {}", right);
   return calibration;

@@ -112,6 +112,12 @@ TEST(DepthAi, VideoOfASensorWithMoreRowsIsItsMiddle) {
   EXPECT_THAT(texts(video.notes), Contains(HasSubstr("the middle 360 rows")));
   for (cv::Matx33d* m : {&oak.rig.m1, &oak.rig.m2}) (*m)(1, 2) -= 20;
   expect_rectifies(video, oak.rig);
+  for (const int said_px : {400, 360}) {
+    auto said = of_size(640, 360);
+    said.calibrated_width_px = 640;
+    said.calibrated_height_px = said_px;
+    EXPECT_EQ(load_calibration(file, said).rectifier->raw().left.matrix[5], oak.rig.m1(1, 2)) << said_px;
+  }
   const double halved_px = load_calibration(file, of_size(320, 180)).rectifier->raw().left.matrix[5];
   EXPECT_DOUBLE_EQ(halved_px, (oak.rig.m1(1, 2) + 0.5) / 2 - 0.5);
 
