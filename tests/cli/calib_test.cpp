@@ -53,6 +53,25 @@ TEST_F(Calib, WritesOpenCvToStandardOutput) {
   EXPECT_THAT(calib({"stereo.yml"}).out, HasSubstr("baseline                0.5000 m"));
 }
 
+TEST_F(Calib, TellsWhatAConversionLoses) {
+  const std::string camera = "fx_px: 300\ncx_px: 160\ncy_px: 110\nbaseline_m: 0.5\nwidth_px: 320\nheight_px: 240\n";
+  write_text(folder.path() / "rolled.yaml", camera + "roll_deg: 5\n");
+  for (const char* format : {"opencv", "kitti"})
+    EXPECT_THAT(calib({"rolled.yaml", "--write", format}).err,
+                HasSubstr("cannot hold height, pitch and roll of the camera: give them again with --camera-roll 5\n"));
+  EXPECT_THAT(calib({"camchain.yaml", "--camera-roll", "3", "--camera-height", "1.2", "--write", "opencv"}).err,
+              HasSubstr("with --camera-height 1.2 --camera-roll 3\n"));
+  EXPECT_EQ(calib({"camchain.yaml", "--write", "opencv"}).err, "");
+  EXPECT_THAT(calib({"rolled.yaml", "--write", "yaml"}).err, HasSubstr("height 1.65 m and the pitch 0 degrees"));
+  write_text(folder.path() / "whole.yaml", camera + "height_m: 1.2\npitch_deg: 0\n");
+  EXPECT_EQ(calib({"whole.yaml", "--write", "yaml"}).err, "");
+}
+
+TEST_F(Calib, TellsADoubtThatTheNewFileDoesNotRaise) {
+  write_text(folder.path() / "far.yaml", "fx: 300\ncx: 160\ncy: 110\nbaseline: 4\nwidth: 320\nheight: 240\n");
+  EXPECT_THAT(calib({"far.yaml", "--write", "kitti"}).err, HasSubstr("baseline"));
+}
+
 TEST_F(Calib, RefusesASizeThatTheFileDoesNotFit) {
   const RunResult other = calib({"camchain.yaml", "--size", "300,240"});
   EXPECT_EQ(other.status, 2);

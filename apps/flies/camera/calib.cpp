@@ -180,11 +180,27 @@ std::string right_path_of(const std::string& left) {
   return (path.parent_path() / name).string();
 }
 
-/// What the file does not hold any more.
+/// Height, pitch and roll of a camera that has them from file or command line, as options.
+std::string mount_options(const flies::Calibration& calibration) {
+  const auto& mount = calibration.camera.mount;
+  std::string options;
+  if (calibration.has_height) options += fmt::format(" --camera-height {:.6g}", mount.height_m);
+  if (calibration.has_pitch) options += fmt::format(" --camera-pitch {:.6g}", flies::degrees(mount.pitch_rad));
+  if (mount.roll_rad != 0.0) options += fmt::format(" --camera-roll {:.6g}", flies::degrees(mount.roll_rad));
+  return options;
+}
+
+/// What the file does not hold any more, and what it holds as if somebody had said it.
 std::vector<std::string> losses(const flies::Calibration& calibration, flies::CalibrationSyntax syntax) {
   std::vector<std::string> notes;
-  if (syntax != flies::CalibrationSyntax::yaml && (calibration.has_height || calibration.has_pitch))
-    notes.emplace_back("this format cannot hold height, pitch and roll of the camera");
+  const bool is_yaml = syntax == flies::CalibrationSyntax::yaml;
+  if (const std::string options = mount_options(calibration); !is_yaml && !options.empty())
+    notes.push_back("this format cannot hold height, pitch and roll of the camera: give them again with" + options);
+  if (is_yaml && (!calibration.has_height || !calibration.has_pitch))
+    notes.push_back(
+        fmt::format("the new file has the height {:.3g} m and the pitch {:.3g} degrees, as if they were known: "
+                    "correct what was not given",
+                    calibration.camera.mount.height_m, flies::degrees(calibration.camera.mount.pitch_rad)));
   if (syntax == flies::CalibrationSyntax::kitti && calibration.camera.width_px > 0)
     notes.emplace_back("this format cannot hold the size of the images");
   if (syntax == flies::CalibrationSyntax::ros && calibration.rectifier)
@@ -221,6 +237,7 @@ void convert(const flies::Calibration& calibration, const CalibArguments& argume
   } else {
     flies::write_file(arguments.output, texts.text);
   }
+  say_notes(flies::texts(calibration.notes, {flies::CalibrationNoteKind::doubt}));  // which the new file may not raise
   say_notes(losses(calibration, syntax));
 }
 
