@@ -126,19 +126,64 @@ TEST(DecodePnm, StretchesLevelsWhoseMaximumIsLower) {
   expect_equal(decode_image("P5 2 1 255 \x01\x32"), (cv::Mat_<std::uint8_t>(1, 2) << 1, 50), "as they are");
 }
 
-/// A grey bitmap of 5 x 2 px, 8 bits a pixel, packed.
-std::string packed_bmp(const std::string& rows, int packing = 1) {
-  const auto number = [](std::size_t value, int bytes) {
-    std::string text;
-    for (int i = 0; i < bytes; ++i, value >>= 8) text += static_cast<char>(value & 255U);
-    return text;
-  };
+std::string number(std::size_t value, int bytes) {
+  std::string text;
+  for (int i = 0; i < bytes; ++i, value >>= 8) text += static_cast<char>(value & 255U);
+  return text;
+}
+
+/// A grey bitmap of 5 x 2 px, packed.
+std::string packed_bmp(const std::string& rows, int packing = 1, int bits = 8) {
   std::string palette;
-  for (std::size_t i = 0; i < 256; ++i) palette += number(i * 0x010101U, 4);
+  const std::size_t colors = std::size_t{1} << bits;
+  for (std::size_t i = 0; i < colors; ++i) palette += number(i * 0x010101U, 4);
   const std::size_t pixels_at = 14 + 40 + palette.size();
   return "BM" + number(pixels_at + rows.size(), 4) + number(0, 4) + number(pixels_at, 4) + number(40, 4) +
-         number(5, 4) + number(2, 4) + number(1, 2) + number(8, 2) + number(static_cast<std::size_t>(packing), 4) +
-         number(rows.size(), 4) + number(0, 16) + palette + rows;
+         number(5, 4) + number(2, 4) + number(1, 2) + number(static_cast<std::size_t>(bits), 2) +
+         number(static_cast<std::size_t>(packing), 4) + number(rows.size(), 4) + number(0, 16) + palette + rows;
+}
+
+/// A bitmap of 2 x 1 px without a palette.
+std::string plain_bmp(int bits, int packing, const std::string& behind_header, const std::string& row,
+                      std::size_t header = 40) {
+  const std::size_t pixels_at = 14 + 40 + behind_header.size();
+  return "BM" + number(pixels_at + row.size(), 4) + number(0, 4) + number(pixels_at, 4) + number(header, 4) +
+         number(2, 4) + number(1, 4) + number(1, 2) + number(static_cast<std::size_t>(bits), 2) +
+         number(static_cast<std::size_t>(packing), 4) + number(row.size(), 4) + number(0, 16) + behind_header + row;
+}
+
+TEST(DecodeBmp, ReadsPixelsOf16Bits) {
+  cv::Mat_<cv::Vec3b> expected(1, 2);
+  expected(0, 0) = {0, 0, 255};
+  expected(0, 1) = {8, 255, 0};
+  const std::string masks_565 = number(0xF800, 4) + number(0x7E0, 4) + number(0x1F, 4);
+  const std::string row_565 = number(0xF800, 2) + number(0x7E1, 2);
+  const std::string row_555 = number(0x7C00, 2) + number(0x3E1, 2);
+  expect_equal(decode_image(plain_bmp(16, 3, masks_565, row_565)), expected, "565");
+  expect_equal(decode_image(plain_bmp(16, 0, "", row_555)), expected, "555");
+  const std::string longer = masks_565 + number(0, 124 - 40 - 12);
+  expect_equal(decode_image(plain_bmp(16, 3, longer, row_565, 124)), expected, "header of 124 bytes");
+  const std::string with_alpha = number(0x7C00, 4) + number(0x3E0, 4) + number(0x1F, 4) + number(0x8000, 4);
+  expect_equal(decode_image(plain_bmp(16, 6, with_alpha, row_555)), expected, "1555");
+  EXPECT_TRUE(decode_image(plain_bmp(16, 3, number(0, 12), row_565)).empty());
+  EXPECT_TRUE(decode_image(plain_bmp(16, 3, masks_565, row_565.substr(0, 3))).empty());
+}
+
+TEST(DecodeBmp, ReadsPixelsOf32BitsInTheOrderOfTheirMasks) {
+  cv::Mat_<cv::Vec3b> expected(1, 2);
+  expected(0, 0) = {3, 2, 1};
+  expected(0, 1) = {6, 5, 4};
+  const std::string rgba = number(0xFF, 4) + number(0xFF00, 4) + number(0xFF0000, 4);
+  expect_equal(decode_image(plain_bmp(32, 3, rgba, "\x01\x02\x03\xFF\x04\x05\x06\xFF")), expected, "RGBA");
+  expect_equal(decode_image(plain_bmp(32, 0, "", "\x03\x02\x01\xFF\x06\x05\x04\xFF")), expected, "BGRA");
+}
+
+TEST(DecodeBmp, ReadsTheOldestHeader) {
+  // Two colours of three bytes, two pixels: the second and the first.
+  const std::string file = "BM" + number(36, 4) + number(0, 4) + number(32, 4) + number(12, 4) + number(2, 2) +
+                           number(1, 2) + number(1, 2) + number(1, 2) + "\x0A\x0A\x0A\xF0\xF0\xF0" + number(0x80, 4);
+  EXPECT_EQ(detail::image_file_fault(file), "");
+  expect_equal(decode_image(file), (cv::Mat_<std::uint8_t>(1, 2) << 0xF0, 0x0A), "OS/2");
 }
 
 TEST(DecodeBmp, ReadsRunLengths) {
@@ -147,6 +192,10 @@ TEST(DecodeBmp, ReadsRunLengths) {
   const std::string rows = "\x04\x07\x01\x09\0\0\0\x02\x01\0\0\x03\x21\x22\x23\0\0\x01"s;
   expect_equal(decode_image(packed_bmp(rows)), (cv::Mat_<std::uint8_t>(2, 5) << 0, 0x21, 0x22, 0x23, 0, 7, 7, 7, 7, 9),
                "RLE8");
+  // From the bottom: three of 7 and 1 by turns, two of 9; then one step to the right, three as they are.
+  const std::string half_rows = "\x03\x71\x02\x99\0\0\0\x02\x01\0\0\x03\x12\x30\0\x01"s;
+  expect_equal(decode_image(packed_bmp(half_rows, 2, 4)),
+               (cv::Mat_<std::uint8_t>(2, 5) << 0, 1, 2, 3, 0, 7, 1, 7, 9, 9), "RLE4");
 }
 
 TEST(DecodeBmp, RefusesRunsThatLeaveTheImageOrBreakOff) {
@@ -158,7 +207,7 @@ TEST(DecodeBmp, RefusesRunsThatLeaveTheImageOrBreakOff) {
 
 TEST(ImageFileFault, NamesACompressionThatIsNotRead) {
   EXPECT_EQ(detail::image_file_fault(packed_bmp("", 2)),
-            "is a bitmap of a compression that is not read, expected none or RLE8");
+            "is a bitmap of a compression that is not read, expected none, RLE4 or RLE8");
   EXPECT_EQ(detail::image_file_fault(packed_bmp("", 1)), "");
 }
 
@@ -288,12 +337,8 @@ TEST(DecodeImage, ReadsTiffOfTenToFourteenBits) {
 
 /// A bitmap of Windows with a palette of as many greys, from black to white, as its bits have room for.
 std::string palette_bmp(const cv::Mat& indices, int bits) {
-  const auto number = [](int value, int count) {
-    std::string bytes;
-    for (int i = 0; i < count; ++i) bytes += i < 4 ? static_cast<char>(value >> 8 * i & 0xFF) : '\0';
-    return bytes;
-  };
   const int colors = 1 << bits, row_bytes = (indices.cols * bits + 31) / 32 * 4, start = 54 + 4 * colors;
+  const auto number = [](int value, int bytes) { return flies::number(static_cast<std::size_t>(value), bytes); };
   std::string file = "BM" + number(start + row_bytes * indices.rows, 4) + number(0, 4) + number(start, 4) +
                      number(40, 4) + number(indices.cols, 4) + number(indices.rows, 4) + number(1, 2) +
                      number(bits, 2) + number(0, 24);
