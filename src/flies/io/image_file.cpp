@@ -87,13 +87,50 @@ std::string webp_fault(std::string_view bytes) {
 }
 
 std::string bmp_fault(std::string_view bytes) {
-  constexpr std::size_t kBits = 28, kPacking = 30;
-  constexpr std::uint8_t kPlain = 0, kRunLengths8 = 1, kBitFields = 3, kAlphaBitFields = 6;
+  constexpr std::size_t kLength = 14, kBits = 28, kPacking = 30;
+  constexpr std::uint8_t kShortHeader = 16;  // OS/2: without a packing
+  constexpr std::uint8_t kPlain = 0, kRunLengths8 = 1, kRunLengths4 = 2, kBitFields = 3, kAlphaBitFields = 6;
+  if (byte_at(bytes, kLength) <= kShortHeader) return {};
   if (bytes.size() < kPacking + 4) return kTruncated;
   const std::uint8_t bits = byte_at(bytes, kBits), packing = byte_at(bytes, kPacking);
-  const bool is_read = packing == kPlain || (packing == kRunLengths8 && bits == 8) || packing == kBitFields ||
-                       packing == kAlphaBitFields;
-  return is_read ? "" : "is a bitmap of a compression that is not read, expected none or RLE8";
+  const bool is_packed = (packing == kRunLengths8 && bits == 8) || (packing == kRunLengths4 && bits == 4);
+  const bool is_read = packing == kPlain || is_packed || packing == kBitFields || packing == kAlphaBitFields;
+  return is_read ? "" : "is a bitmap of a compression that is not read, expected none, RLE4 or RLE8";
+}
+
+/// A format that is not read, by bytes that its files have in one place.
+struct OtherFormat {
+  std::size_t at;
+  std::string_view bytes;
+  const char* fault;
+};
+
+constexpr OtherFormat kOtherFormats[] = {
+    {0, "GIF8", "is a GIF image"},
+    {4, "ftypavif", "is an AVIF image"},
+    {4, "ftypavis", "is an AVIF image"},
+    {4, "ftyphei", "is a HEIC image"},
+    {4, "ftypmif1", "is a HEIC image"},
+    {4, "ftyp", "is a film, from which `flies live` takes pairs"},
+    {0, "\x1A\x45\xDF\xA3", "is a film, from which `flies live` takes pairs"},
+    {4, "jP  \r\n\x87\n", "is a JPEG 2000 image"},
+    {0, "\xFF\x4F\xFF\x51", "is a JPEG 2000 image"},
+    {0, "\x76\x2F\x31\x01", "is an OpenEXR image"},
+    {0, "PF\n", "is a PFM image of floating-point numbers"},
+    {0, "Pf\n", "is a PFM image of floating-point numbers"},
+    {0, "P7\n", "is a PAM image"},
+    {0, "DDS ", "is a DDS image"},
+    {0, "\x93NUMPY", "is an array of NumPy, which cv2.imwrite('left.png', numpy.load('left.npy')) makes an image"},
+    {0, "PK\x03\x04", "is a zip archive"},
+    {0, "\x89HDF", "is an HDF5 file"},
+    {0, "%PDF", "is a PDF"}};
+
+/// What a file is that is none of the images that are read.
+std::string other_fault(std::string_view bytes) {
+  const auto expected = ", expected " + std::string(kReadableImages);
+  for (const auto& [at, mark, fault] : kOtherFormats)
+    if (bytes.size() >= at + mark.size() && bytes.substr(at, mark.size()) == mark) return std::string(fault) + expected;
+  return "is not an image" + expected;
 }
 
 }  // namespace
@@ -137,7 +174,7 @@ std::string image_file_fault(std::string_view bytes) {
     case ImageFileKind::unknown:
       break;
   }
-  return "is not an image, expected " + std::string(kReadableImages);
+  return other_fault(bytes);
 }
 
 }  // namespace flies::detail

@@ -11,6 +11,7 @@
 #include "flies/core/letters.hpp"
 #include "flies/io/folder.hpp"
 #include "flies/io/image_file.hpp"
+#include "flies/io/placeholder.hpp"
 
 namespace flies::detail {
 namespace {
@@ -69,6 +70,7 @@ std::vector<std::string> images_of(const std::string& folder) {
 bool is_folder(const std::string& path) {
   std::error_code error;
   const auto status = fs::status(path, error);
+  if (const auto fault = dead_link_fault(path); !fault.empty()) throw InputError(path, "", fault);
   if (status.type() == fs::file_type::not_found) throw InputError(path, "", "does not exist");
   if (error) throw InputError(path, "", fmt::format("cannot be read: {}", error.message()));
   return fs::is_directory(status);

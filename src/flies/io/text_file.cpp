@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "flies/core/error.hpp"
+#include "flies/io/placeholder.hpp"
 
 namespace flies {
 namespace {
@@ -94,7 +95,11 @@ std::string read_bytes(const std::string& path, std::size_t max_bytes) {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
-  if (!file) throw InputError(path, "", fmt::format("cannot be read: {}", std::strerror(errno)));
+  if (!file) {
+    const int error = errno;
+    const auto fault = detail::dead_link_fault(path);
+    throw InputError(path, "", fault.empty() ? fmt::format("cannot be read: {}", std::strerror(error)) : fault);
+  }
 
   // Read piece by piece rather than by size, so that pipes work too.
   std::string bytes;
@@ -114,8 +119,10 @@ std::string read_bytes(const std::string& path, std::size_t max_bytes) {
 
 std::string read_file(const std::string& path, std::size_t max_bytes) {
   std::string bytes = read_bytes(path, max_bytes);
-  if (bytes.empty()) throw InputError(path, "", "is empty");
+  if (bytes.empty())
+    throw InputError(path, "", "is empty: copying or downloading it was interrupted, or the disk was full");
   if (bytes.starts_with("\x1F\x8B")) throw InputError(path, "", "is gzip-compressed: unpack it");
+  if (const auto fault = detail::placeholder_fault(bytes); !fault.empty()) throw InputError(path, "", fault);
   return bytes;
 }
 

@@ -92,6 +92,14 @@ TEST(Bag, WhatIsCutOffIsReadAsFarAsItIsWhole) {
   EXPECT_FALSE(reader.is_whole());
 }
 
+TEST(Bag, WhatStandsInItsPlaceIsNamed) {
+  const testing::TemporaryFolder folder;
+  for (const char* name : {"t.bag", "t.mcap"}) {
+    const auto path = folder.write(name, "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n");
+    EXPECT_THAT([&] { open_recording(path); }, ThrowsMessage<InputError>(HasSubstr("git lfs pull"))) << name;
+  }
+}
+
 TEST(Bag, FaultsAreTold) {
   const testing::TemporaryFolder folder;
   const auto read = [&](const std::string& bytes) {

@@ -12,6 +12,7 @@
 #include "flies/core/error.hpp"
 #include "flies/core/waiting.hpp"
 #include "flies/io/folder.hpp"
+#include "flies/io/placeholder.hpp"
 #include "flies/video/lazy_module.hpp"
 
 namespace flies {
@@ -74,6 +75,9 @@ std::unique_ptr<Capture> open_capture(const CaptureRequest& request) {
   if (request.source.empty()) throw InputError("source", "", "is empty");
   if (kind == SourceKind::file && !detail::is_there(request.source))
     throw InputError(request.source, "", "does not exist");
+  if (kind == SourceKind::file)
+    if (const auto fault = detail::placeholder_fault_of_file(request.source); !fault.empty())
+      throw InputError(request.source, "", fault);
   const auto open = reinterpret_cast<OpenCaptureFunction>(module_function("flies_video", kOpenCaptureName));
   auto capture = open_in_time(open, request, kind);
   if (!capture) throw InputError(request.source, "", complaint(kind));
