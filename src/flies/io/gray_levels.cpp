@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <numeric>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "flies/io/images.hpp"
+#include "flies/io/packed_yuv.hpp"
 
 namespace flies {
 namespace {
@@ -100,9 +102,9 @@ double roughness(const cv::Mat& image) {
 
 cv::Mat exchanged_bytes(const cv::Mat& image) {
   cv::Mat exchanged(image.size(), image.type());
+  const auto levels = static_cast<std::ptrdiff_t>(image.cols) * image.channels();
   for (int v = 0; v < image.rows; ++v)
-    std::transform(image.ptr<std::uint16_t>(v), image.ptr<std::uint16_t>(v) + image.cols,
-                   exchanged.ptr<std::uint16_t>(v),
+    std::transform(image.ptr<std::uint16_t>(v), image.ptr<std::uint16_t>(v) + levels, exchanged.ptr<std::uint16_t>(v),
                    [](std::uint16_t level) { return static_cast<std::uint16_t>(level << 8 | level >> 8); });
   return exchanged;
 }
@@ -114,6 +116,13 @@ bool has_exchanged_bytes(const cv::Mat& image) {
   if (image.depth() != CV_16U) return false;
   const double as_given = roughness(image);
   return as_given > kRough && roughness(exchanged_bytes(image)) < kMuchSmoother * as_given;
+}
+
+std::string note_on_bytes(const std::string& whose) {
+  return fmt::format(
+      "the bytes of the 16-bit levels{} are in the wrong order for the format (PGM: the upper byte first); they are "
+      "swapped",
+      whose);
 }
 
 /// The band that is worth stretching, when too little contrast would be left of 256 levels: a hot pixel far above all
@@ -182,6 +191,16 @@ std::optional<std::string> faint_note(const Band& band) {
 
 }  // namespace
 
+std::optional<std::string> put_bytes_in_order(cv::Mat& image) {
+  constexpr int kGreen = 1;
+  if (image.depth() != CV_16U || image.channels() < 3) return std::nullopt;
+  cv::Mat green;
+  cv::extractChannel(image, green, kGreen);
+  if (!has_exchanged_bytes(green)) return std::nullopt;
+  image = exchanged_bytes(image);
+  return note_on_bytes("");
+}
+
 cv::Mat gray_levels(const cv::Mat& image) {
   cv::Mat gray = image;
   if (image.channels() == 2) cv::extractChannel(image, gray, 0);
@@ -198,11 +217,18 @@ GrayImage image_of_levels(const cv::Mat& given) {
 }
 
 GrayPair pair_of_levels(const cv::Mat& left, const cv::Mat& right) {
-  if (has_exchanged_bytes(left) && has_exchanged_bytes(right)) {
-    GrayPair pair = pair_of_levels(exchanged_bytes(left), exchanged_bytes(right));
-    pair.notes.push_back(
-        "the bytes of the 16-bit levels are in the wrong order for the format (PGM: the upper byte first); they are "
-        "swapped");
+  const bool is_left_exchanged = has_exchanged_bytes(left), is_right_exchanged = has_exchanged_bytes(right);
+  if (is_left_exchanged || is_right_exchanged) {
+    GrayPair pair = pair_of_levels(is_left_exchanged ? exchanged_bytes(left) : left,
+                                   is_right_exchanged ? exchanged_bytes(right) : right);
+    pair.notes.push_back(note_on_bytes(is_left_exchanged && is_right_exchanged ? ""
+                                       : is_left_exchanged                     ? " of the left image"
+                                                                               : " of the right image"));
+    return pair;
+  }
+  if (const auto layout = detail::recognise_yuv(left); layout && layout == detail::recognise_yuv(right)) {
+    GrayPair pair = pair_of_levels(detail::luma_of(left, *layout), detail::luma_of(right, *layout));
+    pair.notes.push_back(detail::note_on_yuv(*layout, pair.left.width_px, pair.left.height_px));
     return pair;
   }
   const int bit_depth = std::max(significant_bits(left), significant_bits(right));

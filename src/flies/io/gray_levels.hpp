@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "flies/io/gray_image.hpp"
 
 namespace cv {
@@ -7,6 +10,10 @@ class Mat;
 }
 
 namespace flies {
+
+/// Exchanges the bytes of colours of 16 bits where they stand in the other order; those of grey levels are seen to when
+/// these become 8 bits. @returns the sentence on it, where it was done
+std::optional<std::string> put_bytes_in_order(cv::Mat& image);
 
 /// Grey of an image of 1 to 4 channels (grey, grey with alpha, BGR, BGRA), of its depth.
 cv::Mat gray_levels(const cv::Mat& image);

@@ -61,8 +61,9 @@ cv::Mat to_gray(const cv::Mat& image, const std::string& path) {
 
 cv::Mat read_gray(const std::string& path, Notes& notes,
                   const cv::Size& least = {kMinImageWidth_px, kMinImageHeight_px}) {
-  const cv::Mat image = decode(path, notes);
+  cv::Mat image = decode(path, notes);
   check_pixels(image, path, least);
+  if (auto note = put_bytes_in_order(image)) notes.push_back(*std::move(note));
   return to_gray(image, path);
 }
 

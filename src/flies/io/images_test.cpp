@@ -87,22 +87,25 @@ TEST(LoadPair, ShiftsBoth16BitImagesAlike) {
   }
 }
 
+/// Waves of 16 bits.
+cv::Mat smooth_levels(int seed) {
+  cv::Mat levels(kHeight_px, kWidth_px, CV_16UC1);
+  for (int v = 0; v < levels.rows; ++v)
+    for (int u = 0; u < levels.cols; ++u)
+      levels.at<std::uint16_t>(v, u) =
+          static_cast<std::uint16_t>(2000.0 + 1900.0 * std::sin(0.13 * u + 0.21 * v + seed));
+  return levels;
+}
+
+cv::Mat exchanged(const cv::Mat& levels) {
+  cv::Mat result = levels.clone(), bytes = result.reshape(1);
+  for (auto& level : cv::Mat_<std::uint16_t>(bytes)) level = static_cast<std::uint16_t>(level << 8 | level >> 8);
+  return result;
+}
+
 TEST(LoadPair, ExchangesTheBytesOf16BitLevelsThatStandInTheOtherOrder) {
   const TemporaryFolder folder;
-  const auto smooth = [](int seed) {
-    cv::Mat levels(kHeight_px, kWidth_px, CV_16UC1);
-    for (int v = 0; v < levels.rows; ++v)
-      for (int u = 0; u < levels.cols; ++u)
-        levels.at<std::uint16_t>(v, u) =
-            static_cast<std::uint16_t>(2000.0 + 1900.0 * std::sin(0.13 * u + 0.21 * v + seed));
-    return levels;
-  };
-  const auto exchanged = [](const cv::Mat& levels) {
-    cv::Mat result = levels.clone();
-    for (auto& level : cv::Mat_<std::uint16_t>(result)) level = static_cast<std::uint16_t>(level << 8 | level >> 8);
-    return result;
-  };
-  const cv::Mat left = smooth(0), right = smooth(1);
+  const cv::Mat left = smooth_levels(0), right = smooth_levels(1);
   const auto good = load_pair(save(folder, "l.pgm", left), save(folder, "r.pgm", right));
   const auto pair = load_pair(save(folder, "le.pgm", exchanged(left)), save(folder, "re.pgm", exchanged(right)));
   EXPECT_TRUE(good.notes.empty());
@@ -110,6 +113,28 @@ TEST(LoadPair, ExchangesTheBytesOf16BitLevelsThatStandInTheOtherOrder) {
   EXPECT_EQ(pair.right.pixels, good.right.pixels);
   EXPECT_THAT(pair.notes, ::testing::ElementsAre(::testing::HasSubstr("bytes of the 16-bit levels")));
   EXPECT_EQ(load_gray_image(folder.file("le.pgm")).pixels, load_gray_image(folder.file("l.pgm")).pixels);
+}
+
+TEST(LoadPair, ExchangesBytesOfOneImageOnlyAndOfColours) {
+  const TemporaryFolder folder;
+  const cv::Mat left = smooth_levels(0), right = smooth_levels(1);
+  const auto good = load_pair(save(folder, "l.pgm", left), save(folder, "r.pgm", right));
+  const auto one = load_pair(folder.file("l.pgm"), save(folder, "re.pgm", exchanged(right)));
+  EXPECT_EQ(one.left.pixels, good.left.pixels);
+  EXPECT_EQ(one.right.pixels, good.right.pixels);
+  EXPECT_THAT(one.notes, ElementsAre(HasSubstr("16-bit levels of the right image are in the wrong order")));
+  const auto coloured = [](const cv::Mat& levels) {
+    cv::Mat color;
+    cv::merge(std::vector<cv::Mat>{levels, levels / 2, levels / 3}, color);
+    return color;
+  };
+  const auto color = load_pair(save(folder, "lc.png", coloured(left)), save(folder, "rc.png", coloured(right)));
+  const auto turned = load_pair(save(folder, "lce.png", exchanged(coloured(left))),
+                                save(folder, "rce.png", exchanged(coloured(right))));
+  EXPECT_THAT(color.notes, IsEmpty());
+  EXPECT_EQ(turned.left.pixels, color.left.pixels);
+  EXPECT_EQ(turned.right.pixels, color.right.pixels);
+  EXPECT_THAT(turned.notes, ElementsAre(HasSubstr("bytes of the 16-bit levels are in the wrong order")));
 }
 
 TEST(LoadPair, SeesTheSceneInSpiteOfAHotPixel) {
