@@ -12,11 +12,10 @@ struct Input {
 /// @throws flies::InputError as one line that says what is wrong with which file
 inline Input load_input(const char* left, const char* right, const char* calib) {
   flies::GrayPair images = flies::load_pair(left, right);
-  // The calibration is told the size of the images, for not every format states it, and which of KITTI's four cameras.
+  // The calibration is told the images, for not every format states their size, and which of KITTI's four cameras.
   flies::CalibrationRequest request;
   request.cameras = flies::kitti_cameras_from_paths(left, right);
-  request.width_px = images.left.width_px;
-  request.height_px = images.left.height_px;
+  flies::ask_for_images(request, images.view());
   const flies::Calibration calibration = flies::load_calibration(calib, request);
   if (calibration.rectifier) images = calibration.rectifier->rectify(images);
   return {images, calibration.camera};

@@ -119,8 +119,9 @@ std::optional<std::array<int, 2>> two_of(const std::optional<std::vector<int>>& 
 }
 
 flies::Calibration load_calibration(const PathArgument& path, const PathArgument& right_path,
-                                    const std::optional<std::vector<int>>& cameras, int width_px, int height_px,
-                                    const std::optional<std::vector<int>>& calibrated_size_px,
+                                    const std::optional<std::vector<int>>& cameras,
+                                    const std::optional<std::pair<py::object, py::object>>& images, int width_px,
+                                    int height_px, const std::optional<std::vector<int>>& calibrated_size_px,
                                     std::optional<double> camera_height_m, std::optional<double> camera_pitch_rad,
                                     std::optional<double> camera_roll_rad, bool images_are_raw, bool images_are_resized,
                                     std::optional<double> baseline_m, double disparity_shift_px) {
@@ -129,6 +130,7 @@ flies::Calibration load_calibration(const PathArgument& path, const PathArgument
   request.cameras = two_of(cameras, path.text, "cameras", "two: left and right");
   request.width_px = width_px;
   request.height_px = height_px;
+  if (images) flies::ask_for_images(request, pair_view(images->first, images->second));
   if (const auto size_px = two_of(calibrated_size_px, path.text, "calibrated size", "two: width and height")) {
     request.calibrated_width_px = (*size_px)[0];
     request.calibrated_height_px = (*size_px)[1];
@@ -172,14 +174,17 @@ void bind_calibration(py::module_& module) {
       });
   module.def(
       "load_calibration", &load_calibration, "path"_a, py::kw_only(), "right_path"_a = "", "cameras"_a = py::none(),
-      "width_px"_a = 0, "height_px"_a = 0, "calibrated_size_px"_a = py::none(), "camera_height_m"_a = py::none(),
-      "camera_pitch_rad"_a = py::none(), "camera_roll_rad"_a = py::none(), "images_are_raw"_a = false,
-      "images_are_resized"_a = false, "baseline_m"_a = py::none(), "disparity_shift_px"_a = 0.0,
+      "images"_a = py::none(), "width_px"_a = 0, "height_px"_a = 0, "calibrated_size_px"_a = py::none(),
+      "camera_height_m"_a = py::none(), "camera_pitch_rad"_a = py::none(), "camera_roll_rad"_a = py::none(),
+      "images_are_raw"_a = false, "images_are_resized"_a = false, "baseline_m"_a = py::none(),
+      "disparity_shift_px"_a = 0.0,
       "Reads a calibration: KITTI, OpenCV (rectified or raw), ROS camera_info, Kalibr, EuRoC, ORB-SLAM, ZED,\n"
       "RealSense, DepthAI, Basalt, MATLAB, Middlebury, plain YAML and others, recognised from the content. Paths are\n"
       "str, bytes or os.PathLike.\n\n"
       "- `right_path`: the second file, where the right camera has its own and it is not found beside the first.\n"
       "- `cameras`: (left, right), of a file that may have more than two.\n"
+      "- `images`: (left, right), as they were read: tells their size and, other than the next two, whether they were\n"
+      "  padded.\n"
       "- `width_px`, `height_px`: of the images, where the file does not say or was made at another scale; 0 and 0:\n"
       "  as the file says.\n"
       "- `calibrated_size_px`: (width, height) that a file without a size is for.\n"

@@ -32,8 +32,7 @@ def draw(axes, found):
 
 def main(left, right, calib, out):
     pairs = flies.find_pairs(left, right)
-    first, _ = flies.load_pair(*pairs[0])
-    calibration = flies.load_calibration(calib, width_px=first.shape[1], height_px=first.shape[0])
+    calibration = flies.load_calibration(calib, images=flies.load_pair(*pairs[0]))
     detector = flies.Detector(calibration.camera)
     _, panels = plt.subplots(1, len(pairs), figsize=(4 * len(pairs), 6), squeeze=False, layout="constrained")
     for axes, paths in zip(panels[0], pairs):

@@ -9,7 +9,7 @@ while (frame := camera.read()[1]) is not None:
     gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
     left, right = gray[:, : gray.shape[1] // 2], gray[:, gray.shape[1] // 2 :]
     if engine is None:
-        calibration = flies.load_calibration(calib, width_px=left.shape[1], height_px=left.shape[0])
+        calibration = flies.load_calibration(calib, images=(left, right))
         engine = flies.Engine(calibration.camera)
     engine.submit(*calibration.rectify(left, right), time.monotonic() - start)
     for track in engine.wait(engine.snapshot().number, timeout_s=0.5).tracking.tracks:

@@ -260,6 +260,7 @@ def load_calibration(
     *,
     right_path: _Path = ...,
     cameras: Optional[Sequence[int]] = ...,
+    images: Optional[Tuple[_Image, _Image]] = ...,
     width_px: int = ...,
     height_px: int = ...,
     calibrated_size_px: Optional[Sequence[int]] = ...,

@@ -311,8 +311,38 @@ TEST_F(Check, PaddedImagesAreRefusedAlsoWhenSaidToBeResized) {
     EXPECT_THAT(result.err, HasSubstr("(left 0, right 4, top 0, bottom 6 px)"));
     EXPECT_THAT(result.err, HasSubstr("What is inside the borders, 320 x 240 px"));
   }
+
   const RunResult whole = run_flies(folder.path(), {"check", "left.png", "right.png", "--calib", "own.yaml"});
   EXPECT_THAT(whole.out, HasSubstr("looks right")) << whole.err;
+}
+
+TEST_F(Check, TellsPicturesThatWereShrunkIntoAFrame) {
+  for (const auto& [name, image] : {std::pair("left", street_pair().left), std::pair("right", street_pair().right)}) {
+    cv::Mat shrunk, framed;
+    cv::resize(image, shrunk, {256, 192}, 0.0, 0.0, cv::INTER_AREA);
+    cv::copyMakeBorder(shrunk, framed, 24, 24, 32, 32, cv::BORDER_CONSTANT, 114);
+    write_image(folder.path() / (std::string(name) + "-framed.png"), framed);
+  }
+  const RunResult result =
+      run_flies(folder.path(), {"check", "left-framed.png", "right-framed.png", "--calib", "calib.txt"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("straight borders of one grey level (left 32, right 32, top 24, bottom 24 px)"));
+  EXPECT_THAT(result.out, HasSubstr("up to 1.25 times too large"));
+  EXPECT_THAT(result.out, Not(HasSubstr("looks right")));
+}
+
+TEST_F(Check, LeavesOutTheColourOfYuvThatWasSavedAsGrey) {
+  for (const auto& [name, image] : {std::pair("left", street_pair().left), std::pair("right", street_pair().right)}) {
+    cv::Mat packed;
+    cv::merge(std::vector<cv::Mat>{image, cv::Mat(image.size(), CV_8U, cv::Scalar(128))}, packed);
+    write_image(folder.path() / (std::string(name) + "-yuyv.png"), packed.reshape(1));
+  }
+  const RunResult result =
+      run_flies(folder.path(), {"detect", "left-yuyv.png", "right-yuyv.png", "--calib", "calib.txt", "--json", "-"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err,
+              HasSubstr("(YUYV), saved as if it were grey levels: it is left out, which leaves 320 x 240 px"));
+  EXPECT_TRUE(finds_the_box(json::parse(result.out)));
 }
 
 TEST_F(Check, ListsWhatIsOddAboutThePairing) {

@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "live_command.hpp"
@@ -43,6 +44,21 @@ TEST_F(LiveCommand, TellsPairsThatAreSwappedInTheMiddleOfARun) {
   EXPECT_EQ(passed_over.at("frame"), 2);
   EXPECT_THAT(passed_over.at("error").get<std::string>(), HasSubstr("left and right seem to be swapped"));
   EXPECT_TRUE(passed_over.at("obstacles").empty());
+}
+
+TEST_F(LiveCommand, RefusesPaddedPictures) {
+  write_text(folder.path() / "own.yaml",
+             "fx_px: 300\nfy_px: 300\ncx_px: 160\ncx_right_px: 160\ncy_px: 110\nbaseline_m: 0.5\n"
+             "width_px: 320\nheight_px: 240\nheight_m: 1.65\npitch_deg: 0\n");
+  for (const auto& [side, image] : {std::pair("left", street_pair().left), std::pair("right", street_pair().right)})
+    for (int i = 0; i < 3; ++i) {
+      cv::Mat padded;
+      cv::copyMakeBorder(image, padded, 40, 40, 0, 0, cv::BORDER_CONSTANT, 0);
+      cv::imwrite((folder.path() / side / (std::to_string(i) + ".png")).string(), padded);
+    }
+  const RunResult result = run({"left", "right", "--rate", "20", "--calib", "own.yaml", "--resized"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("(left 0, right 0, top 40, bottom 40 px)"));
 }
 
 TEST_F(LiveCommand, SwappedPairsDoNotOvertakeWhatIsStillWorkedOn) {

@@ -8,7 +8,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/pair_check.hpp"
-#include "flies/io/mosaic.hpp"
+#include "flies/io/images.hpp"
 #include "live/live_run.hpp"
 #include "shared/end_on_signal.hpp"
 #include "shared/method_arguments.hpp"
@@ -109,7 +109,7 @@ bool LiveRun::begin(std::vector<flies::StereoFrame>& first) {
   diagnosis_ = diagnose_sample(std::move(sample), *calibration_, request_.corrections);
   if (!is_settled(diagnosis_, request_.corrections)) later_.emplace(told, request_.corrections);
   for (const auto& note : first.front().images.notes) say(note);
-  if (const auto note = flies::mosaic_note(first.front().images.view())) say(*note);
+  for (const auto& note : flies::notes_on_images(first.front().images.view())) say(note);
   for (const auto& note : diagnosis_.notes) say(note);
   for (const auto& note : fit_options()) say(note);
   {

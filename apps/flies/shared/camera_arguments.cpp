@@ -98,8 +98,7 @@ flies::CalibrationRequest calibration_request(const CameraArguments& arguments, 
                                               const std::string& right_path, const flies::RectifiedPair& images) {
   flies::CalibrationRequest request = calibration_request(arguments);
   if (const auto named = flies::kitti_cameras_from_paths(left_path, right_path)) request.default_cameras = *named;
-  request.width_px = images.left.width_px;
-  request.height_px = images.left.height_px;
+  flies::ask_for_images(request, images);
   return request;
 }
 

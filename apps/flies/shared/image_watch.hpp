@@ -3,11 +3,11 @@
 #include <string>
 
 #include "flies/io/gray_image.hpp"
-#include "flies/io/mosaic.hpp"
+#include "flies/io/images.hpp"
 #include "shared/notes.hpp"
 
-/// Tells once what was assumed of image files, and that they are the raw mosaic of a colour camera: for commands that
-/// look at many pairs and do not diagnose them.
+/// Tells once what was assumed of image files, and what is odd about the images: for commands that look at many pairs
+/// and do not diagnose them.
 class ImageWatch {
  public:
   /// @param images as they were read, before they are rectified
@@ -18,9 +18,9 @@ class ImageWatch {
     }
     if (is_told_ || looks_left_ == 0) return;
     --looks_left_;
-    const auto note = flies::mosaic_note(images.view());
-    is_told_ = note.has_value();
-    if (note) say_notes({source + ": " + *note});
+    const auto notes = flies::notes_on_images(images.view());
+    is_told_ = !notes.empty();
+    for (const auto& note : notes) say_notes({source + ": " + note});
   }
 
  private:

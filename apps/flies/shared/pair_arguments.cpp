@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
 #include <cstddef>
 #include <utility>
 
 #include "flies/core/error.hpp"
-#include "flies/diagnose/image_borders.hpp"
 #include "flies/io/exif.hpp"
 #include "flies/io/pair_matching.hpp"
 #include "flies/io/text_file.hpp"
@@ -75,50 +73,10 @@ std::vector<flies::PairPaths> pairs_of(const PairArguments& arguments) {
   return std::move(found.pairs);
 }
 
-namespace {
-
-/// Refuses images with borders without which they would be of the shape that the calibration is for: scaled with these,
-/// all ranges would be wrong, and nothing would tell.
-void check_not_padded(const std::string& calib, flies::CalibrationRequest request, const std::string& left,
-                      const flies::RectifiedPair& images) {
-  const flies::ImageBorders borders = flies::find_borders(images);
-  if (!borders.any()) return;
-  int width_px = 0, height_px = 0;
-  request.width_px = request.height_px = 0;
-  request.images_are_resized = false;
-  try {
-    const auto camera = flies::load_calibration(calib, request).camera;
-    width_px = camera.width_px > 0 ? camera.width_px : request.calibrated_width_px;
-    height_px = camera.height_px > 0 ? camera.height_px : request.calibrated_height_px;
-  } catch (const flies::InputError&) {  // told when it is read for these images
-  }
-  const int all_width_px = images.left.width_px, all_height_px = images.left.height_px;
-  if (width_px == 0 || (all_width_px == width_px && all_height_px == height_px)) return;
-  const int inner_width_px = all_width_px - borders.left_px - borders.right_px;
-  const int inner_height_px = all_height_px - borders.top_px - borders.bottom_px;
-  const auto is_scaled = [&](int width, int height, double within_px) {
-    return std::abs(height - static_cast<double>(height_px) * width / width_px) <= within_px;
-  };
-  const bool is_whole = inner_width_px == width_px && inner_height_px == height_px;
-  if (!is_whole && (is_scaled(all_width_px, all_height_px, 1.0) || !is_scaled(inner_width_px, inner_height_px, 2.0)))
-    return;
-  throw flies::InputError(
-      left, "image size",
-      fmt::format("found {} x {} px with borders of one grey level (left {}, right {}, top {}, bottom {} px): both "
-                  "images were padded or letterboxed. What is inside the borders, {} x {} px, has the shape of the "
-                  "calibration's {} x {} px: cut the borders off",
-                  all_width_px, all_height_px, borders.left_px, borders.right_px, borders.top_px, borders.bottom_px,
-                  inner_width_px, inner_height_px, width_px, height_px));
-}
-
-}  // namespace
-
 flies::Calibration calibration_of_files(const std::string& calib, const CameraArguments& camera,
                                         const flies::PairPaths& pair, const flies::RectifiedPair& images) {
   if (const auto note = orientation_note(pair)) say_notes({*note});
-  const auto request = calibration_request(camera, pair.left, pair.right, images);
-  check_not_padded(calib, request, pair.left, images);
-  return flies::load_calibration(calib, request);
+  return flies::load_calibration(calib, calibration_request(camera, pair.left, pair.right, images));
 }
 
 std::optional<std::string> orientation_note(const flies::PairPaths& pair) {

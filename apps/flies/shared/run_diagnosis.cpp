@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -66,8 +67,8 @@ std::vector<std::string> notes_on_files(const std::vector<SampledPair>& sample) 
   for (const auto& [index, images] : sample)
     if (notes.empty()) notes = images.notes;
   for (const auto& [index, images] : sample)
-    if (auto mosaic = flies::mosaic_note(images.view())) {
-      notes.push_back(*std::move(mosaic));
+    if (auto found = flies::notes_on_images(images.view()); !found.empty()) {
+      std::ranges::move(found, std::back_inserter(notes));
       break;
     }
   return notes;

@@ -84,8 +84,7 @@ StereoCamera shared_camera(const fs::path& folder, const DatasetRequest& request
     if (file.empty() && detail::is_there(folder / name)) file = (folder / name).string();
   if (file.empty()) throw InputError(folder.string(), "calib.yaml", "not found, give a calibration");
   CalibrationRequest wanted = calibration_request(request);
-  wanted.width_px = first.left.width_px;
-  wanted.height_px = first.left.height_px;
+  ask_for_images(wanted, first);
   const Calibration calibration = load_calibration(file, wanted);
   if (calibration.rectifier) refuse_raw(file);
   check_camera_fits(calibration.camera, first.left.width_px, first.left.height_px, file);

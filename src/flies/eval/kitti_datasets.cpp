@@ -97,8 +97,7 @@ Dataset open_kitti_object(const fs::path& folder, const DatasetRequest& request)
   }
   const auto calib_of = [folder](const std::string& name) { return (folder / "calib" / (name + ".txt")).string(); };
   const auto calibration_of = [calib_of](const std::string& name, const GrayPair& images, CalibrationRequest wanted) {
-    wanted.width_px = images.left.width_px;
-    wanted.height_px = images.left.height_px;
+    ask_for_images(wanted, images.view());
     Calibration calibration = load_calibration(calib_of(name), wanted);
     calibration.camera.width_px = wanted.width_px;
     calibration.camera.height_px = wanted.height_px;
@@ -141,8 +140,7 @@ Dataset open_kitti_stereo(const fs::path& folder, const DatasetRequest& request)
     return file.empty() ? (folder / fmt::format("calib_{}x{}.yaml", width_px, height_px)).string() : file;
   };
   const auto calibration_of = [calib_of](const GrayPair& images, CalibrationRequest wanted) {
-    wanted.width_px = images.left.width_px;
-    wanted.height_px = images.left.height_px;
+    ask_for_images(wanted, images.view());
     Calibration calibration = load_calibration(calib_of(images), wanted);
     if (calibration.rectifier) refuse_raw(calib_of(images));
     calibration.camera.width_px = wanted.width_px;

@@ -153,6 +153,14 @@ void correct_size(const CalibrationRequest& request, Calibration& calibration) {
   }
 }
 
+/// The size that the calibration is for, as far as file and request say it or the principal point tells.
+std::array<int, 2> calibrated_size(const StereoCamera& camera, const CalibrationRequest& request) {
+  if (camera.width_px > 0) return {camera.width_px, camera.height_px};
+  if (const auto deduced = detail::size_of_unsized(camera, request.width_px, request.height_px)) return *deduced;
+  const auto inner = detail::inside(request.borders, {request.width_px, request.height_px});
+  return detail::size_of_unsized(camera, inner.width_px, inner.height_px).value_or(std::array{0, 0});
+}
+
 /// Brings the camera to the size of the images: given where the file has none, scaled where one scale fits.
 void fit_size(const CalibrationRequest& request, const std::string& source, Calibration& calibration) {
   auto& camera = calibration.camera;
@@ -164,6 +172,10 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
   if (request.width_px <= 0 || request.height_px <= 0) return;
   if (camera.width_px == 0)
     detail::check_not_exchanged(camera, request.width_px, request.height_px, source, "principal point");
+  if (request.borders.any()) {
+    const auto [width_px, height_px] = calibrated_size(camera, request);
+    detail::check_not_padded(width_px, height_px, request, source);
+  }
   const auto deduced =
       camera.width_px == 0 ? detail::size_of_unsized(camera, request.width_px, request.height_px) : std::nullopt;
   if (deduced && take_with_fewer_rows(request, calibration, (*deduced)[0], (*deduced)[1])) return;
@@ -175,8 +187,9 @@ void fit_size(const CalibrationRequest& request, const std::string& source, Cali
   if (deduced && !detail::scale_to_images((*deduced)[0], (*deduced)[1], request))
     throw InputError(source, "image size",
                      fmt::format("is not in the file, whose numbers fit images of {} x {} px, not of {} x {} px: were "
-                                 "the images cropped, or resized by {:.3g} horizontally and {:.3g} vertically (then "
-                                 "give --resized)? --calib-size W,H gives the size that the calibration is for",
+                                 "the images padded or letterboxed (then cut that off), cropped, or resized by {:.3g} "
+                                 "horizontally and {:.3g} vertically (then give --resized)? --calib-size W,H gives the "
+                                 "size that the calibration is for",
                                  (*deduced)[0], (*deduced)[1], request.width_px, request.height_px,
                                  static_cast<double>(request.width_px) / (*deduced)[0],
                                  static_cast<double>(request.height_px) / (*deduced)[1]));
@@ -260,6 +273,11 @@ void detail::check_said_size(int width_px, int height_px, const CalibrationReque
                                width_px, height_px, said_width_px, said_height_px));
 }
 
+void detail::check_not_padded(int width_px, int height_px, const CalibrationRequest& request,
+                              const std::string& source) {
+  check_not_padded(request.borders, {request.width_px, request.height_px}, {width_px, height_px}, source);
+}
+
 std::optional<detail::ImageScale> detail::scale_to_images(int width_px, int height_px,
                                                           const CalibrationRequest& request) {
   if (const auto one = one_scale(width_px, height_px, request.width_px, request.height_px))
@@ -336,6 +354,12 @@ Calibration detail::completed(Calibration calibration, const CalibrationRequest&
   for (auto& note : check_plausible(checked, source, says_size)) calibration.notes.push_back({std::move(note)});
   shift_disparities(request, calibration);
   return calibration;
+}
+
+void ask_for_images(CalibrationRequest& request, const RectifiedPair& images) {
+  request.width_px = images.left.width_px;
+  request.height_px = images.left.height_px;
+  request.borders = find_borders(images);
 }
 
 Calibration load_calibration(const std::string& path, const CalibrationRequest& request) {

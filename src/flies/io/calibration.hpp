@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "flies/core/stereo_camera.hpp"
+#include "flies/io/image_borders.hpp"
 #include "flies/io/rectifier.hpp"
 
 namespace flies {
@@ -23,6 +24,8 @@ struct CalibrationRequest {
   /// but for one scale.
   int width_px = 0;
   int height_px = 0;
+  /// Of images of that size: they are refused where the calibration fits what is inside the borders, and them only.
+  ImageBorders borders;
   /// The images are as the cameras gave them: matters where a file says both what raw and what rectified images are.
   bool images_are_raw = false;
   /// The images were resized from the calibration's size, as much across and down as the sizes say: cut off nowhere.
@@ -67,9 +70,13 @@ struct Calibration {
   CalibrationNotes notes;              ///< on what was ignored or assumed
 };
 
+/// Lets a request ask for the calibration of these images, as they were read: of their size and without borders.
+void ask_for_images(CalibrationRequest& request, const RectifiedPair& images);
+
 /// Reads a calibration; the format is recognised from the content, not from the name.
 /// @throws InputError naming file and key: unreadable, unknown format, missing key, wrong count, not finite, zero focal
-///         length, baseline not positive (left and right swapped), not a rectified pair, a unit or size that cannot be
+///         length, baseline not positive (left and right swapped), not a rectified pair, a unit or size that cannot be,
+///         images that were padded
 Calibration load_calibration(const std::string& path, const CalibrationRequest& request = {});
 
 /// The camera as the plain YAML that `load_calibration` reads back to the same values.

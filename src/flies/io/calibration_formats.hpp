@@ -70,6 +70,9 @@ void settle_baseline(const CalibrationRequest& request, const std::string& sourc
 /// @throws InputError when the user says that the calibration is for images of another size than this one
 void check_said_size(int width_px, int height_px, const CalibrationRequest& request, const std::string& source);
 
+/// @throws InputError when the images were padded from this size, or its shape
+void check_not_padded(int width_px, int height_px, const CalibrationRequest& request, const std::string& source);
+
 /// How the images were resized from this size: by one scale, or by any that the request says.
 std::optional<ImageScale> scale_to_images(int width_px, int height_px, const CalibrationRequest& request);
 

@@ -13,6 +13,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/io/gray_levels.hpp"
+#include "flies/io/image_borders.hpp"
 #include "flies/io/image_codecs.hpp"
 #include "flies/io/image_file.hpp"
 #include "flies/io/text_file.hpp"
@@ -151,6 +152,13 @@ GrayPair load_pair(const PairPaths& paths, const PairReading& reading) {
 
 GrayPair load_pair(const std::string& left_path, const std::string& right_path) {
   return load_pair(PairPaths{left_path, right_path}, {});
+}
+
+std::vector<std::string> notes_on_images(const RectifiedPair& images) {
+  std::vector<std::string> notes;
+  for (const auto& note : {mosaic_note(images), borders_note(images)})
+    if (note) notes.push_back(*note);
+  return notes;
 }
 
 std::optional<Split> split_of(const std::string& word) {

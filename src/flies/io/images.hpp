@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "flies/io/gray_image.hpp"
 #include "flies/io/mosaic.hpp"
@@ -34,6 +35,10 @@ GrayPair load_pair(const std::string& left_path, const std::string& right_path);
 
 /// Stretches both images of a pair of 8 bits that was not read here, such as a camera's, as `load_pair` does.
 void stretch_faint(GrayPair& images);
+
+/// What to tell the user of a pair as it was read, before it is rectified: that it is the raw mosaic of colour cameras,
+/// or has borders as padding adds them.
+std::vector<std::string> notes_on_images(const RectifiedPair& images);
 
 /// How one file holds both images of a pair.
 enum class Split { none, side_by_side, top_bottom };

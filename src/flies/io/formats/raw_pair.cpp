@@ -96,6 +96,7 @@ void settle_size(RawPair& pair, const CalibrationRequest& request, const std::st
     raw.height_px = request.height_px;
   }
   check_said_size(raw.width_px, raw.height_px, request, source);
+  check_not_padded(raw.width_px, raw.height_px, request, source);
 }
 
 /// What is improbable, and yet read, of the cameras.
