@@ -112,8 +112,8 @@ def test_sizes_are_checked(street):
     refused("calibrated size: 640 x 0 px was said", calibrated_size_px=(640, 0))
     refused("calibrated size: found 3 numbers, expected two", calibrated_size_px=(640, 240, 1))
     refused("cameras: found 1 numbers, expected two", cameras=[0])
-    padded = np.pad(np.random.default_rng(1).integers(0, 255, (375, 1242), np.uint8), ((0, 325), (0, 0)))
-    refused("image size: the calibration is for 1242 x 375 px, the images have 1242 x 700 px", images=(padded, padded))
+    padded = np.pad(np.random.default_rng(1).integers(0, 255, (240, 640), np.uint8), ((0, 160), (0, 0)))
+    refused("image size: the calibration is for 640 x 240 px, the images have 640 x 400 px", images=(padded, padded))
     numbers = {"fx_px": 400, "fy_px": 400, "cx_px": 320, "cy_px": 120, "baseline_m": 0.5}
     for size in ({"width_px": 640}, {"height_px": 240}, {"width_px": -5, "height_px": 3}):
         with pytest.raises(flies.InputError, match="camera: .*image size"):
