@@ -121,26 +121,13 @@ std::optional<FoundNumber> distance_in(const NumberTable& table, const OpenCvNam
   }
 }
 
-/// The form of stereoRectify: 1 0 0 -cx, 0 1 0 -cy, 0 0 0 f, 0 0 -1/Tx (cx - cx')/Tx.
-bool is_reprojection(const std::vector<double>& q) {
-  constexpr double kZero = 1e-9;
-  constexpr std::size_t kCount = 16, kZeros[] = {1, 2, 4, 6, 8, 9, 10, 12, 13};
-  return q.size() == kCount && q[0] == 1.0 && q[5] == 1.0 && std::abs(q[14]) > kZero &&
-         std::ranges::all_of(kZeros, [&](std::size_t i) { return std::abs(q[i]) <= kZero; });
-}
-
 /// Notes that Q or R and T, which are not read, say something else than what is.
 /// @param focal that of rectified images; nothing when they are yet to be rectified
 void note_other_matrices(const NumberTable& table, const OpenCvNames& names, const FoundNumber& baseline,
                          const FoundNumber* focal, const CalibrationRequest& request, CalibrationNotes& notes) {
   if (const auto distance = distance_in(table, names); distance && distance->key != baseline.key)
     note_other_baseline(baseline, *distance, request, notes);
-  const auto found = table.entries.find(names.reprojection);
-  if (found == table.entries.end() || !is_reprojection(found->second.numbers)) return;
-  const auto& q = found->second.numbers;
-  const double unit = known_unit_of(table, names.reprojection).value_or(1.0);
-  note_other_baseline(baseline, {names.reprojection, unit / q[14]}, request, notes);
-  if (focal != nullptr) note_other_focal_length(*focal, {names.reprojection, q[11]}, notes);
+  note_other_reprojection(table, names.reprojection, baseline, focal, request, notes);
 }
 
 /// Of P1 and P2, which raw cameras need not have; nothing where they say none.
@@ -250,6 +237,7 @@ Calibration read_reprojection(const NumberTable& table, const OpenCvNames& names
   camera.width_px = width_px;
   camera.height_px = height_px;
   calibration.left_name = calibration.right_name = names.reprojection;
+  note_other_camera(table, {names.reprojection, camera.fx_px}, calibration.notes);
   calibration.notes.push_back(
       {"the images are taken as rectified: the camera is that of " + names.reprojection, CalibrationNoteKind::told});
   return calibration;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "flies/core/error.hpp"
 #include "flies/io/calibration_formats.hpp"
@@ -81,6 +82,22 @@ void note_other_focal_length(const FoundNumber& used, const FoundNumber& other, 
       "{} gives a focal length of {:.6g} px, {} one of {:.6g} px, which is used: is one of them of another "
       "camera, or of images of another size? All ranges are proportional to it",
       other.key, other.value, used.key, used.value)});
+}
+
+bool is_reprojection(const std::vector<double>& q) {
+  constexpr double kZero = 1e-9;
+  constexpr std::size_t kCount = 16, kZeros[] = {1, 2, 4, 6, 8, 9, 10, 12, 13};
+  return q.size() == kCount && q[0] == 1.0 && q[5] == 1.0 && std::abs(q[14]) > kZero &&
+         std::ranges::all_of(kZeros, [&](std::size_t i) { return std::abs(q[i]) <= kZero; });
+}
+
+void note_other_reprojection(const NumberTable& table, const std::string& key, const FoundNumber& baseline,
+                             const FoundNumber* focal, const CalibrationRequest& request, CalibrationNotes& notes) {
+  const auto found = table.entries.find(key);
+  if (found == table.entries.end() || !is_reprojection(found->second.numbers)) return;
+  const auto& q = found->second.numbers;
+  note_other_baseline(baseline, {key, known_unit_of(table, key).value_or(1.0) / q[14]}, request, notes);
+  if (focal != nullptr) note_other_focal_length(*focal, {key, q[11]}, notes);
 }
 
 void check_statements(const NumberTable& table, const CalibrationRequest& request, Calibration& calibration) {

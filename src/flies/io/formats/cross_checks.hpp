@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "flies/io/calibration.hpp"
 #include "flies/io/formats/pose.hpp"
@@ -21,6 +22,14 @@ FoundNumber length_of(const std::string& key, const Pose& pose);
 
 /// The same of focal lengths, in pixels.
 void note_other_focal_length(const FoundNumber& used, const FoundNumber& other, CalibrationNotes& notes);
+
+/// Whether these are a Q as stereoRectify gives it: 1 0 0 -cx, 0 1 0 -cy, 0 0 0 f, 0 0 -1/Tx (cx - cx')/Tx.
+bool is_reprojection(const std::vector<double>& q);
+
+/// Notes that a Q at this key, where there is one, says another baseline or focal length.
+/// @param focal that of rectified images; nothing when they are yet to be rectified
+void note_other_reprojection(const NumberTable& table, const std::string& key, const FoundNumber& baseline,
+                             const FoundNumber* focal, const CalibrationRequest& request, CalibrationNotes& notes);
 
 /// What all formats have in common: a baseline by that name, Middlebury's `doffs`, and how well the calibration went.
 /// @throws InputError when `doffs` contradicts the principal points

@@ -100,6 +100,12 @@ TEST(CrossChecks, TranslationsBesideABaselineByHandAreCompared) {
   EXPECT_THAT(fault_of(camera + "Tx: -0.24\n"), HasSubstr("baseline, Tx: say 0.12 m and 0.24 m"));
   EXPECT_THAT(doubts(camera + "T: [-0.24, 0, 0]\n"),
               Contains(HasSubstr("T gives a baseline of 0.24 m, baseline one of 0.12 m, which is used")));
+  const auto q = [](double over_baseline) {
+    return fmt::format("Q: [1, 0, 0, -310, 0, 1, 0, -240, 0, 0, 0, 700, 0, 0, {}, 0]\n", over_baseline);
+  };
+  EXPECT_THAT(doubts(camera + q(1 / 0.12)), IsEmpty());
+  EXPECT_THAT(doubts(camera + q(1 / 0.24)),
+              Contains(HasSubstr("baseline gives a baseline of 0.12 m, the rest of the file one of 0.24 m")));
   for (const char* same : {"Tx: -0.12\n", "Tx: -120\n", "Tx: -84\n", "T: [-120, 0, 0]\n", "T: [-0.12, 0, 0.001]\n",
                            "tx: 1.5\nty: 0\ntz: 1.2\n", "T: [1.5, 0, 1.2]\n"})
     EXPECT_THAT(doubts(camera + same), IsEmpty()) << same;

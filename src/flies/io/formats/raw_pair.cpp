@@ -154,7 +154,7 @@ std::string cause_of_failure(const RawPair& pair) {
         "of another size?",
         pair.left_key, pair.right_key, left_px, right_px);
   const double across = raw.left.matrix[2] / raw.width_px, down = raw.left.matrix[5] / raw.height_px;
-  if (std::max(std::abs(across - 0.5), std::abs(down - 0.5)) > kFarthest)
+  if (std::min(std::abs(across - 0.5), std::abs(down - 0.5)) > kFarthest)
     return fmt::format(
         "{}: the principal point ({:.1f}, {:.1f}) px is far from the middle of images of {} x {} px: is that their "
         "size, or are the numbers of the cameras those of other images?",
