@@ -36,7 +36,9 @@ class Capture {
   virtual bool read(GrayImage& image) = 0;
   virtual double rate_hz() const = 0;                   ///< pictures a second as the source says; 0: it does not say
   virtual std::uint64_t pictures() const { return 0; }  ///< of a film, as it says; 0: it does not say
-  virtual bool has_colors() const { return false; }     ///< whether the last picture had some, before it became grey
+  /// When the last picture of a film is due, since the film began; 0 for one without a stamp, too.
+  virtual std::optional<double> stamp_s() const { return std::nullopt; }
+  virtual bool has_colors() const { return false; }  ///< whether the last picture had some, before it became grey
   /// When the driver had the last picture; nothing where it does not say. It may be by another clock: to be checked.
   virtual std::optional<std::chrono::steady_clock::time_point> taken_at() const { return std::nullopt; }
 };

@@ -50,8 +50,14 @@ class OpenCvCapture final : public flies::Capture {
   }
 
   std::uint64_t pictures() const override {
-    const double count = kind_ == flies::SourceKind::file ? capture_.get(cv::CAP_PROP_FRAME_COUNT) : 0.0;
+    const double count = kind_ != flies::SourceKind::device ? capture_.get(cv::CAP_PROP_FRAME_COUNT) : 0.0;
     return count > 0.0 && count < 1e12 ? static_cast<std::uint64_t>(std::llround(count)) : 0;
+  }
+
+  std::optional<double> stamp_s() const override {
+    constexpr double kMost_s = 1e7;  // raw streams have nonsense for stamps
+    const double stamp_s = kind_ != flies::SourceKind::device ? 1e-3 * capture_.get(cv::CAP_PROP_POS_MSEC) : -1.0;
+    return stamp_s >= 0.0 && stamp_s < kMost_s ? std::optional(stamp_s) : std::nullopt;
   }
 
   /// Lossy films of grey pictures, and conversions on the way, leave channels that differ by a few levels.

@@ -12,6 +12,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/waiting.hpp"
+#include "flies/video/film_clock.hpp"
 
 namespace flies {
 namespace {
@@ -62,7 +63,7 @@ struct FrameStream::State {
   double patience_s = 0.0;  ///< without a frame for so long it is stuck
   bool is_lost = false, loss_told = false;
   Clock::time_point lost_told = Clock::time_point::min();
-  bool broken_told = false, frozen_told = false, threads_told = false, end_told = false;
+  bool broken_told = false, frozen_told = false, threads_told = false, end_told = false, rate_told = false;
 
   bool is_over(int mine) const { return is_ending || generation != mine; }
 
@@ -151,10 +152,9 @@ class Reading {
       if (reader) {
         const auto before = usable_;
         read_all(*reader);
-        const std::uint64_t said = options.is_living ? 0 : reader->frames();
-        reader.reset();
         if (is_over()) return;
-        if (said > 0) watch_end(said);
+        if (!options.is_living && reader->frames() > 0) watch_end(*reader);
+        reader.reset();
         if (usable_ > before) pause_s = options.first_pause_s;
         if (!options.is_living) {
           if (!options.is_looped || usable_ == before) return state_->end(mine_);
@@ -224,12 +224,27 @@ class Reading {
   }
 
   void stamp_file(SourceFrame& frame, const FrameReader& reader) {
-    double rate_hz = state_->options.rate_hz > 0.0 ? state_->options.rate_hz : reader.rate_hz();
-    if (!(rate_hz > 0.0)) rate_hz = kUsualRate_hz;
+    const bool is_rate_given = state_->options.rate_hz > 0.0;
+    const double said_hz = is_rate_given ? state_->options.rate_hz : reader.rate_hz();
+    const double rate_hz = said_hz > 0.0 ? said_hz : kUsualRate_hz;
     frame.step_s = step_s_ = 1.0 / rate_hz;
-    if (index_ == 0) note_length(reader.frames());
-    frame.time_s = rounds_s_ + frame.own_time_s.value_or(static_cast<double>(index_++) / rate_hz);
+    if (index_ == 0) {
+      note_length(reader.frames());
+      clock_ = FilmClock(rate_hz);
+    }
+    const double time_s = clock_.next(is_rate_given ? std::nullopt : frame.stamp_s);
+    if (index_++ == 1 && !(said_hz > 0.0) && !frame.own_time_s && !clock_.has_stamps()) tell_rate();
+    frame.time_s = rounds_s_ + frame.own_time_s.value_or(time_s);
     next_s_ = frame.time_s + frame.step_s;
+  }
+
+  void tell_rate() {
+    {
+      const std::lock_guard lock(state_->mutex);
+      if (std::exchange(state_->rate_told, true)) return;
+    }
+    state_->say(fmt::format("{}: the film has no times: {} pairs per second are assumed (--rate gives another)",
+                            state_->options.name, kUsualRate_hz));
   }
 
   /// Waits until a frame of a file is due.
@@ -250,16 +265,22 @@ class Reading {
   }
 
   /// A film that breaks off ends like any other.
-  /// @param said how many pictures it says it has
-  void watch_end(std::uint64_t said) {
+  void watch_end(const FrameReader& reader) {
+    const double given_s = next_s_ - rounds_s_;
+    double said_s = 0.0;
     {
       const std::lock_guard lock(state_->mutex);
-      state_->counts.given_s = static_cast<double>(index_) * step_s_;
-      if (!is_shorter(state_->counts.given_s, state_->counts.said_s, step_s_)) return;
-      if (std::exchange(state_->end_told, true)) return;
+      state_->counts.given_s = given_s;
+      said_s = state_->counts.said_s;
+      if (state_->end_told || !is_shorter(given_s, said_s, step_s_)) return;
     }
-    state_->say(fmt::format("{}: ends after {} of the {} pictures that it says it has; is it damaged or cut off?",
-                            state_->options.name, index_, said));
+    if (!reader.is_incomplete()) return;
+    {
+      const std::lock_guard lock(state_->mutex);
+      state_->end_told = true;
+    }
+    state_->say(fmt::format("{}: ends after {:.2f} of the {:.2f} s that it says it lasts; is it damaged or cut off?",
+                            state_->options.name, given_s, said_s));
   }
 
   bool deliver(SourceFrame frame, bool is_broken) {
@@ -319,6 +340,7 @@ class Reading {
   std::uint64_t usable_ = 0;
   std::uint64_t index_ = 0;               ///< of a file's frame in this round
   double step_s_ = 0.0;                   ///< of a file
+  FilmClock clock_{kUsualRate_hz};        ///< of a file, in this round
   double rounds_s_ = 0.0, next_s_ = 0.0;  ///< what the rounds before took, and when the next frame is due
   Clock::duration late_{};
   std::deque<double> arrivals_s_;  ///< the last ones

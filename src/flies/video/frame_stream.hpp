@@ -17,6 +17,7 @@ struct SourceFrame {
   double time_s = 0;                      ///< since the stream began
   double step_s = 0;                      ///< usual time between pictures of the source; 0: not known yet
   std::optional<double> own_time_s = {};  ///< of a file that says when: since its first frame
+  std::optional<double> stamp_s = {};     ///< of a film's picture: since the film began, as far as it says
   std::optional<std::chrono::steady_clock::time_point> taken_at = {};  ///< of a living source that says when
   std::uint64_t skipped = 0;  ///< frames of the source so far that were thrown away for newer ones
   bool has_colors = false;    ///< where a mosaic was to come; it is grey, and no pair
@@ -33,6 +34,8 @@ class FrameReader {
   virtual bool read(SourceFrame& frame) = 0;
   virtual double rate_hz() const = 0;                 ///< frames a second as the source says; 0: it does not say
   virtual std::uint64_t frames() const { return 0; }  ///< of a film, as it says; 0: it does not say
+  /// Of a film that ended earlier than it says: some containers only estimate how many pictures there are.
+  virtual bool is_incomplete() const { return true; }
 };
 
 /// Opens the source, anew each time. @throws InputError when that fails

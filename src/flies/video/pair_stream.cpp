@@ -10,6 +10,7 @@
 #include "flies/core/error.hpp"
 #include "flies/core/quantile.hpp"
 #include "flies/core/waiting.hpp"
+#include "flies/video/film_size.hpp"
 #include "flies/video/pair_folder.hpp"
 
 namespace flies {
@@ -32,12 +33,14 @@ class CaptureReader final : public FrameReader {
     frame.left_name = frame.right_name = name_;
     if (!capture_->read(frame.images.left)) return false;
     frame.taken_at = capture_->taken_at();
+    frame.stamp_s = capture_->stamp_s();
     frame.has_colors = bayer_ && capture_->has_colors();
     if (bayer_ && !frame.has_colors) frame.images.left = demosaiced(std::move(frame.images.left), *bayer_);
     return true;
   }
   double rate_hz() const override { return capture_->rate_hz(); }
   std::uint64_t frames() const override { return capture_->pictures(); }
+  bool is_incomplete() const override { return lacks_its_end(name_); }
 
  private:
   std::unique_ptr<Capture> capture_;
@@ -47,16 +50,23 @@ class CaptureReader final : public FrameReader {
 
 bool is_living_source(const std::string& source) { return is_living(source_kind(source)); }
 
-bool is_looped_together(const PairStreamRequest& request) {
-  return request.is_looped && request.sources.size() == 2 &&
-         std::none_of(request.sources.begin(), request.sources.end(), is_living_source);
+/// Whether it is a film or a camera shows when it is open.
+bool is_web_address(const std::string& source) {
+  return source_kind(source) == SourceKind::stream && source.starts_with("http");
 }
 
-FrameStreamOptions stream_options(const PairStreamRequest& request, const std::string& name, bool lives) {
+/// Gives what is open already, and opens it anew from the second time on.
+OpenReader opener_after(std::unique_ptr<FrameReader> opened, OpenReader open) {
+  const auto first = std::make_shared<std::unique_ptr<FrameReader>>(std::move(opened));
+  return [first, open = std::move(open)] { return *first ? std::move(*first) : open(); };
+}
+
+FrameStreamOptions stream_options(const PairStreamRequest& request, const std::string& name, bool lives,
+                                  bool is_looped) {
   FrameStreamOptions options;
   options.name = name;
   options.is_living = lives;
-  options.is_looped = request.is_looped && !is_looped_together(request);
+  options.is_looped = is_looped;
   options.is_patient = request.is_patient;
   options.rate_hz = request.rate_hz;
   options.stuck_s = request.stuck_s;
@@ -133,17 +143,26 @@ PairStream::PairStream(const PairStreamRequest& request, const Tell& tell)
     : PairStream(request, openers(request), tell) {}
 
 PairStream::PairStream(const PairStreamRequest& request, const std::vector<OpenReader>& readers, const Tell& tell)
-    : request_(request),
-      tell_(tell),
-      began_(std::chrono::steady_clock::now()),
-      is_looped_together_(is_looped_together(request)) {
+    : request_(request), tell_(tell), began_(std::chrono::steady_clock::now()) {
   if (readers.empty() || readers.size() > 2)
     throw InputError("sources", "", fmt::format("found {}, expected one or two", readers.size()));
+  const bool is_folder = !request.folder.empty();
+  std::vector<OpenReader> openers = readers;
+  std::vector<bool> lives;
   for (std::size_t i = 0; i < readers.size(); ++i) {
-    const bool is_folder = !request.folder.empty();
+    lives.push_back(!is_folder && is_living_source(request.sources[i]));
+    if (!lives[i] || !is_web_address(request.sources[i])) continue;
+    auto reader = readers[i]();
+    lives[i] = reader->frames() == 0;
+    openers[i] = opener_after(std::move(reader), readers[i]);
+  }
+  is_living_ = std::ranges::find(lives, true) != lives.end();
+  is_looped_together_ = request.is_looped && readers.size() == 2 && !is_living_;
+  const bool is_looped = request.is_looped && !is_looped_together_;
+  for (std::size_t i = 0; i < readers.size(); ++i) {
     const std::string& name = is_folder ? request.folder.front().left : request.sources[i];
-    const bool lives = !is_folder && is_living_source(name);
-    streams_.push_back(std::make_unique<FrameStream>(readers[i], stream_options(request, name, lives), tell, began_));
+    streams_.push_back(
+        std::make_unique<FrameStream>(openers[i], stream_options(request, name, lives[i], is_looped), tell, began_));
   }
 }
 
@@ -191,7 +210,7 @@ Answer PairStream::next_of_two(StereoFrame& frame, std::chrono::milliseconds tim
   while (true) {
     const Answer left = fill(*streams_[0], left_), right = fill(*streams_[1], right_);
     if (left == Answer::ended || right == Answer::ended) {
-      tell_shorter();
+      if (left != right) tell_shorter();
       if (!begin_next_round()) return Answer::ended;
       continue;
     }
@@ -282,8 +301,10 @@ void PairStream::tell_shorter() {
     const auto ended = streams_[i]->counts(), other = streams_[1 - i]->counts();
     if (ended.given_s <= 0.0 || !is_shorter(ended.given_s, other.said_s, other.step_s)) continue;
     shorter_told_ = true;
-    tell_(fmt::format("{}: ends after {:.2f} s, while {} is {:.2f} s long: later pictures of that have no partner",
-                      request_.sources[i], ended.given_s, request_.sources[1 - i], other.said_s));
+    tell_(fmt::format(
+        "{}: ends after {:.2f} s, while {} is {:.2f} s long: later pictures of that have no partner (if one "
+        "film began later than the other, cut both to the same beginning)",
+        request_.sources[i], ended.given_s, request_.sources[1 - i], other.said_s));
     return;
   }
 }

@@ -70,6 +70,7 @@ class PairStream {
   FrameStream::Answer next(StereoFrame& frame, std::chrono::milliseconds timeout);
 
   PairStreamCounts counts() const;
+  bool is_living() const { return is_living_; }  ///< one of its sources at least is
 
  private:
   FrameStream::Answer next_of_one(StereoFrame& frame, std::chrono::milliseconds timeout);
@@ -88,7 +89,7 @@ class PairStream {
   std::optional<SourceFrame> left_, right_;      ///< wait for their partner
   std::chrono::steady_clock::time_point began_;  ///< of the round
   double offset_s_ = 0.0, round_end_s_ = 0.0;    ///< what the rounds before took, and this one as well
-  bool is_looped_together_ = false;
+  bool is_living_ = false, is_looped_together_ = false;
   PairStreamCounts counts_;
   int width_px_ = 0, height_px_ = 0;  ///< of the first pair
   std::vector<double> skews_s_;       ///< without sign, of the pairs since they were judged

@@ -32,6 +32,7 @@ struct ToyFilm {
   int count = 0;
   double rate_hz = 60.0;
   int broken = -1, wide = -1;  ///< pictures that are damaged or of another size
+  std::vector<double> stamps_s = {};
 };
 
 /// Pictures of rising grey levels.
@@ -45,6 +46,7 @@ class ToyReader final : public FrameReader {
     const int width = n == film_.wide ? 4 : 2;
     frame.images.left = {width, 1, std::vector<std::uint8_t>(static_cast<std::size_t>(width), std::uint8_t(n))};
     frame.left_name = film_.name;
+    if (!film_.stamps_s.empty()) frame.stamp_s = film_.stamps_s[static_cast<std::size_t>(n)];
     return true;
   }
   double rate_hz() const override { return film_.rate_hz; }
@@ -174,6 +176,16 @@ TEST_F(PairStreamTest, LostPictureCostsNoPairButItsOwn) {
   ASSERT_THAT(frames, SizeIs(9));
   for (const auto& frame : frames) EXPECT_EQ(frame.images.left.pixels, frame.images.right.pixels);
   EXPECT_EQ(counts.unpaired, 1U);
+}
+
+TEST_F(PairStreamTest, GapInTheStampsOfOneFilmCostsOnlyThosePairs) {
+  const ToyFilm left{.name = "l", .count = 4, .rate_hz = 10.0, .stamps_s = {0.0, 0.1, 0.4, 0.5}};
+  const ToyFilm right{.name = "r", .count = 6, .rate_hz = 10.0};
+  const auto pairs = all_of(left, right);
+  ASSERT_THAT(pairs, SizeIs(4));
+  EXPECT_EQ(pairs[2].images.right.pixels[0], 4);
+  EXPECT_EQ(pairs[3].images.right.pixels[0], 5);
+  EXPECT_EQ(counts.unpaired, 2U);
 }
 
 TEST_F(PairStreamTest, NearestPictureOfAFasterSourceIsTaken) {
