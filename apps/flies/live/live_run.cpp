@@ -40,6 +40,8 @@ LiveRun::LiveRun(LiveRequest request, std::vector<LiveSink*> sinks)
   began_ns_ = static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
   stream_ =
       std::make_unique<flies::PairStream>(request_.stream, [this](const std::string& sentence) { say(sentence); });
+  if (request_.stream.is_patient && stream_->is_living())
+    say("--every-pair is for films and folders: a living source does not wait, so pairs may be left out");
 }
 
 LiveRun::~LiveRun() = default;
@@ -67,9 +69,7 @@ bool LiveRun::wait_for_pair(flies::StereoFrame& frame) {
         changed_.wait_for(lock, 20ms);
         lock.unlock();
         rethrow_failure();
-        const bool is_living =
-            request_.stream.folder.empty() && flies::is_living(flies::source_kind(request_.stream.sources.front()));
-        if (!is_living) continue;
+        if (!stream_->is_living()) continue;
         const Answer answer = stream_->next(frame, 0ms);
         if (answer == Answer::ended) return false;
         if (answer == Answer::frame) passed_while_paused_ += request_.stream.sources.size();  // pictures
@@ -203,11 +203,19 @@ void LiveRun::finish() {
   std::unique_lock lock(mutex_);
   while (!failure_ && std::chrono::steady_clock::now() < until) {
     const auto snapshot = worker_->engine->snapshot();
-    const bool is_done = snapshot->number == handed_on_ && !recent_.empty() &&
-                         (snapshot->tracking.time_s >= recent_.back()->time_s || !snapshot->error.empty());
+    const bool is_done =
+        snapshot->number == handed_on_ && !recent_.empty() && snapshot->newest_time_s >= recent_.back()->time_s;
     if (is_done) break;
     changed_.wait_for(lock, 20ms);
   }
+}
+
+/// After the run. @throws flies::InputError when the source ended and the engine refused all pairs that it got
+void LiveRun::check_that_pairs_were_used() const {
+  if (has_results_ || first_refusal_.empty() || is_end_requested()) return;
+  const auto& stream = request_.stream;
+  throw flies::InputError(stream.folder.empty() ? stream.sources.front() : stream.folder.front().left, "",
+                          "no pair could be used; the first error: " + first_refusal_);
 }
 
 void LiveRun::run() {
@@ -234,6 +242,7 @@ void LiveRun::run() {
   end();
   rethrow_failure();
   for (const auto& note : watch_.counts()) say(note);
+  check_that_pairs_were_used();
   const std::lock_guard lock(mutex_);
   source_counts_ = counted();
 }

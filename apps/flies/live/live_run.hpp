@@ -100,6 +100,9 @@ class LiveRun {
   std::shared_ptr<const Worker> worker_unless_ending();
   void go_on_with(std::shared_ptr<const Worker> worker);
   void hand_on_results();
+  void pass_over(const std::shared_ptr<const LivePair>& pair, const std::string& fault);
+  void take(const std::shared_ptr<const LivePair>& pair, const std::shared_ptr<const flies::Snapshot>& snapshot);
+  void check_that_pairs_were_used() const;
   std::uint64_t oldest_awaited() const;
   void hand_on_passed_over(std::optional<std::uint64_t> before);
   LiveFrame frame_of(std::shared_ptr<const LivePair> pair, std::shared_ptr<const flies::Snapshot> snapshot) const;
@@ -144,7 +147,8 @@ class LiveRun {
   std::uint64_t dropped_before_ = 0;               ///< pairs, by the workers before
   std::uint64_t overtaken_ = 0;                    ///< results that newer ones pushed out before they were handed on
   std::uint64_t ids_before_ = 0, highest_id_ = 0;  ///< of tracks
-  bool error_told_ = false;
+  std::string first_refusal_;                      ///< of a pair, by an engine
+  bool has_results_ = false;                       ///< of pairs that could be used
   flies::DisparityShiftWatch shift_watch_;
   GroundPose pose_;
 };

@@ -1,4 +1,6 @@
 // The thread of a `LiveRun` that hands results to the sinks.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -88,14 +90,26 @@ void LiveRun::hand_on_passed_over(std::optional<std::uint64_t> before) {
     passed_over.assign(passed_over_.begin(), end);
     passed_over_.erase(passed_over_.begin(), end);
   }
-  for (const auto& [pair, fault] : passed_over) {
-    auto snapshot = std::make_shared<flies::Snapshot>();
-    snapshot->tracking.time_s = pair->time_s;
-    snapshot->dropped = last_dropped_;
-    snapshot->error = fault;
-    const LiveFrame frame = frame_of(pair, std::move(snapshot));
-    for (LiveSink* sink : sinks_) sink->pass_over(frame);
-  }
+  for (const auto& [pair, fault] : passed_over) pass_over(pair, fault);
+}
+
+void LiveRun::pass_over(const std::shared_ptr<const LivePair>& pair, const std::string& fault) {
+  auto snapshot = std::make_shared<flies::Snapshot>();
+  snapshot->tracking.time_s = pair->time_s;
+  snapshot->dropped = last_dropped_;
+  snapshot->error = fault;
+  const LiveFrame frame = frame_of(pair, std::move(snapshot));
+  for (LiveSink* sink : sinks_) sink->pass_over(frame);
+}
+
+void LiveRun::take(const std::shared_ptr<const LivePair>& pair,
+                   const std::shared_ptr<const flies::Snapshot>& snapshot) {
+  shift_watch_.look(snapshot->tracking.ego);
+  if (const auto note = shift_watch_.first_note(handing_worker_->camera); !note.empty()) say(note);
+  pose_ = moved(pose_, snapshot->tracking.ego);
+  for (const auto& track : snapshot->tracking.tracks) highest_id_ = std::max(highest_id_, track.id);
+  const LiveFrame frame = frame_of(pair, snapshot);
+  for (LiveSink* sink : sinks_) sink->take(frame);
 }
 
 void LiveRun::hand_on_results() {
@@ -106,16 +120,19 @@ void LiveRun::hand_on_results() {
   results_ += snapshot->number - last_result_;
   last_result_ = snapshot->number;
   last_dropped_ = snapshot->dropped;
-  if (!snapshot->error.empty() && !std::exchange(error_told_, true)) say(snapshot->error);
-  const auto pair = pair_at(snapshot->tracking.time_s);
-  if (pair && snapshot->error.empty()) {
-    shift_watch_.look(snapshot->tracking.ego);
-    if (const auto note = shift_watch_.first_note(handing_worker_->camera); !note.empty()) say(note);
-    pose_ = moved(pose_, snapshot->tracking.ego);
-    for (const auto& track : snapshot->tracking.tracks) highest_id_ = std::max(highest_id_, track.id);
+  const bool is_refused = !snapshot->error.empty();
+  const auto pair = pair_at(snapshot->newest_time_s);
+  if (is_refused && first_refusal_.empty()) {
+    first_refusal_ = snapshot->error;
+    say(pair ? fmt::format("{}: {}", pair->left_name, snapshot->error) : snapshot->error);
+  }
+  has_results_ = has_results_ || !is_refused;
+  if (pair) {
     hand_on_passed_over(pair->number);
-    const LiveFrame frame = frame_of(pair, snapshot);
-    for (LiveSink* sink : sinks_) sink->take(frame);
+    if (is_refused)
+      pass_over(pair, snapshot->error);
+    else
+      take(pair, snapshot);
   }
   const std::lock_guard lock(mutex_);
   if (pair) awaited_from_ = std::max(awaited_from_, pair->number + 1);

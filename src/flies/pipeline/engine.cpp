@@ -96,6 +96,7 @@ struct Engine::State {
         *result = *before;
         result->error = error.what();
       }
+      result->newest_time_s = pair->time_s;
       result->latency_ms = std::chrono::duration<double, std::milli>(Clock::now() - pair->arrived).count();
       {
         const std::lock_guard lock(mutex);

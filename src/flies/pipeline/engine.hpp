@@ -20,6 +20,7 @@ struct Snapshot {
   double latency_ms = 0.0;                   ///< from `submit` of this pair to its result
   std::string error;  ///< why the newest pair could not be used; the rest is of the pair before it
   std::optional<std::chrono::steady_clock::time_point> arrived;  ///< when the pair of `tracking` was; none yet: nothing
+  double newest_time_s = 0.0;  ///< of the newest pair, whether it could be used or not
 
   /// Time since the pair of `tracking` was submitted, seconds; NaN while there is none, because none came or none could
   /// be used.
