@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "flies/core/error.hpp"
 #include "flies/io/folder.hpp"
 #include "live/live_run.hpp"
+#include "live/live_sources.hpp"
 #include "live/run_outputs.hpp"
 #include "live/view.hpp"
 #include "shared/command_line.hpp"
@@ -120,6 +122,7 @@ LiveRequest live_request(LiveArguments& arguments, OutputClaims& claims) {
 OutputClaims check_outputs(const LiveArguments& arguments) {
   OutputClaims claims;
   claims.reads(arguments.sources);
+  for (const auto& source : arguments.sources) claims.reads(files_of_pipeline(source));
   claims.reads(arguments.times);
   claims.reads_method(arguments.method);
   claims.reads_calibration(arguments.calib, arguments.camera.right_calib);
@@ -148,6 +151,8 @@ class Steered {
 
 void run_live(LiveArguments arguments) {
   read_options_file(arguments.method);
+  std::ranges::transform(arguments.sources, arguments.sources.begin(), without_file_scheme);
+  check_sources_differ(arguments.sources);
   OutputClaims claims = check_outputs(arguments);
   LiveRequest request = live_request(arguments, claims);
   std::optional<tbb::global_control> thread_limit;
