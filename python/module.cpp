@@ -1,5 +1,6 @@
 #include "module.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <exception>
 #include <utility>
@@ -35,6 +36,34 @@ void refuse_empty_objects(const py::module_& module) {
   }
 }
 
+/// By pickles of protocols 0 and 1 Python makes an object of the base of all bound classes, of which pybind11 ends the
+/// process. Protocol 2 knows how these classes are made, and its pickles may be written in older protocols.
+void reduce_as_by_protocol_2(const py::module_& module) {
+  for (const auto& item : module.attr("__dict__").cast<py::dict>()) {
+    if (!py::isinstance<py::type>(item.second)) continue;
+    const auto type = py::reinterpret_borrow<py::type>(item.second);
+    if (py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(type.ptr())) == nullptr) continue;
+    if (type.attr("__dict__").contains("__reduce_ex__")) continue;  // which refuses them
+    type.attr("__reduce_ex__") = py::cpp_function(
+        [](const py::object& self, int protocol) -> py::object {
+          constexpr int kKnowsHowToMake = 2;
+          const py::object base = py::module_::import("builtins").attr("object");
+          return base.attr("__reduce_ex__")(self, std::max(protocol, kKnowsHowToMake));
+        },
+        py::name("__reduce_ex__"), py::is_method(type));
+  }
+}
+
+/// What calling a class does, as pybind11 has it; of the base of all bound classes it would end the process.
+PyObject* called_class(PyObject* type, PyObject* arguments, PyObject* named) {
+  auto* const called = reinterpret_cast<PyTypeObject*>(type);
+  if (!py::detail::all_type_info(called).empty()) return py::detail::pybind11_meta_call(type, arguments, named);
+  PyErr_Format(PyExc_TypeError, "cannot create '%.200s' instances", called->tp_name);
+  return nullptr;
+}
+
+void refuse_objects_of_the_base() { py::detail::get_internals().default_metaclass->tp_call = &called_class; }
+
 }  // namespace
 
 PYBIND11_MODULE(_flies, module) {
@@ -56,5 +85,7 @@ PYBIND11_MODULE(_flies, module) {
   bind_tracks(module);
   bind_pipeline(module);
   refuse_empty_objects(module);
+  reduce_as_by_protocol_2(module);
+  refuse_objects_of_the_base();
   module.attr("__name__") = own_name;
 }

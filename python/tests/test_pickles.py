@@ -34,7 +34,11 @@ def check_same(one, other):
         assert one == other or (math.isnan(one) and math.isnan(other))
 
 
-@pytest.mark.parametrize("copied", [lambda thing: pickle.loads(pickle.dumps(thing)), copy.copy, copy.deepcopy])
+PICKLED = [lambda thing, protocol=protocol: pickle.loads(pickle.dumps(thing, protocol))
+           for protocol in range(pickle.HIGHEST_PROTOCOL + 1)]
+
+
+@pytest.mark.parametrize("copied", PICKLED + [copy.copy, copy.deepcopy])
 def test_results_and_cameras_can_be_copied(tracking, camera, copied):
     found = tracking.detection
     assert tracking.tracks and found.obstacles and found.pedestrians and tracking.ego.is_known
@@ -55,12 +59,43 @@ def test_what_cannot_be_pickled_says_so(street, camera):
     engine = flies.Engine(camera)
     for thing in (calibration, engine.snapshot()):
         assert copy.copy(thing) is thing and copy.deepcopy([thing])[0] is thing
-        with pytest.raises(TypeError, match=f"^a flies.{type(thing).__name__} cannot be pickled: pickle its"):
-            pickle.dumps(thing)
+        for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+            with pytest.raises(TypeError, match=f"^a flies.{type(thing).__name__} cannot be pickled: pickle its"):
+                pickle.dumps(thing, protocol)
     for thing in (flies.Detector(camera), flies.Tracker(camera), engine):
         for act in (pickle.dumps, copy.copy, copy.deepcopy):
             with pytest.raises(TypeError, match=f"^a flies.{type(thing).__name__} cannot be copied or pickled: make another"):
                 act(thing)
+
+
+CLASSES = sorted((thing for thing in vars(flies).values() if isinstance(thing, type) and thing is not flies.InputError),
+                 key=lambda one: one.__name__)
+
+
+@pytest.mark.parametrize("made", CLASSES, ids=lambda one: one.__name__)
+def test_what_was_never_made_raises(made):
+    class Unmade(made):
+        def __init__(self):
+            pass
+
+    with pytest.raises(TypeError, match="__init__"):
+        Unmade()
+    for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+        with pytest.raises(TypeError):
+            pickle.dumps(made.__new__(made), protocol)
+    for act in (copy.copy, copy.deepcopy, lambda one: one.__reduce__(), lambda one: type(one).__mro__[-2]()):
+        if made in (flies.Calibration, flies.Snapshot) and act in (copy.copy, copy.deepcopy):
+            continue  # these are their own copies
+        with pytest.raises(TypeError):
+            act(made.__new__(made))
+
+
+@pytest.mark.parametrize("garbage", [None, (), 1, "abc", [1.0], {"a": 1}, (None,) * 6, ("x",) * 10, tuple(range(14)),
+                                     (math.nan,) * 11, (10**400,) * 11, ([1.0] * 3,) * 10], ids=repr)
+@pytest.mark.parametrize("made", [one for one in CLASSES if hasattr(one, "__setstate__")], ids=lambda one: one.__name__)
+def test_garbage_is_no_state(made, garbage):
+    with pytest.raises((TypeError, ValueError, RuntimeError)):
+        made.__new__(made).__setstate__(garbage)
 
 
 def test_a_pickle_of_another_version_is_refused(tracking):
