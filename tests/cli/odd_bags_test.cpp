@@ -1,4 +1,5 @@
 // Bags that are not as they should be, or hold more than pairs: what is passed over, and what is told.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -78,7 +79,14 @@ TEST_F(OddBags, CalibrationThatChangesIsTold) {
   const std::string changed = camera_infos(kStart_ns + 900'000'000U, 0.7);
   const RunResult result = track({.after = BagBytes::chunk("none", changed, changed.size())});
   sees_the_box(result);
-  EXPECT_THAT(result.err, HasSubstr("/rig/left/camera_info changes during the recording: K, P (focal length"));
+  EXPECT_THAT(result.err, HasSubstr("/rig/left/camera_info changes during the recording: fx in K ("));
+  const auto c = street_camera();
+  const std::string other_baseline = BagBytes::message(
+      {3, kStart_ns + 900'000'000U,
+       ros_camera_info(false, c.width_px, c.height_px, c.fx_px, -0.5 * c.fx_px * c.baseline_m, {}, c.cx_px, c.cy_px)});
+  EXPECT_THAT(track({.after = BagBytes::chunk("none", other_baseline, other_baseline.size())}).err,
+              HasSubstr(fmt::format("/rig/right/camera_info changes during the recording: Tx in P ({:g}, then {:g}); ",
+                                    -c.fx_px * c.baseline_m, -0.5 * c.fx_px * c.baseline_m)));
   EXPECT_THAT(track({}).err, Not(HasSubstr("changes")));
 }
 

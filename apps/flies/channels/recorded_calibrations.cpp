@@ -4,7 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include "channels/recorded_topics.hpp"
@@ -17,20 +20,46 @@ using Json = nlohmann::json;
 /// Zeros are ROS's mark of a camera that is not calibrated.
 bool is_calibrated(const flies::RosCameraInfo& info) { return info.intrinsics[0] != 0.0 || info.projection[0] != 0.0; }
 
-/// The fields in which two messages differ.
+/// In as few digits as tell them apart.
+std::string both(double a, double b) {
+  const std::string first = fmt::format("{:g}", a), then = fmt::format("{:g}", b);
+  return first == then ? fmt::format("({}, then {})", a, b) : fmt::format("({}, then {})", first, then);
+}
+
+/// The entries in which two messages differ, with what they were and became.
 std::vector<std::string> differences(const flies::RosCameraInfo& a, const flies::RosCameraInfo& b) {
-  std::vector<std::string> fields;
-  const auto compare = [&](const char* field, bool is_same) {
-    if (!is_same) fields.emplace_back(field);
+  using Names = std::span<const std::string_view>;
+  constexpr std::array<std::string_view, 9> kIntrinsics = {"fx", "skew", "cx", "", "fy", "cy", "", "", ""};
+  constexpr std::array<std::string_view, 12> kProjection = {"fx", "skew", "cx", "Tx", "", "fy", "cy", "Ty"};
+  std::vector<std::string> entries;
+  const auto compare = [&](const char* field, std::span<const double> was, std::span<const double> is, Names names) {
+    if (was.size() != is.size())
+      entries.push_back(fmt::format("{} ({} numbers, then {})", field, was.size(), is.size()));
+    for (std::size_t i = 0; i < std::min(was.size(), is.size()); ++i) {
+      if (was[i] == is[i]) continue;
+      const bool has_name = i < names.size() && !names[i].empty();
+      const auto entry = has_name ? fmt::format("{} in {}", names[i], field) : fmt::format("{}[{}]", field, i);
+      entries.push_back(entry + " " + both(was[i], is[i]));
+    }
   };
-  compare("K", a.intrinsics == b.intrinsics);
-  compare("D", a.distortion == b.distortion && a.distortion_model == b.distortion_model);
-  compare("R", a.rectification == b.rectification);
-  compare("P", a.projection == b.projection);
-  compare("size", a.width_px == b.width_px && a.height_px == b.height_px);
-  compare("binning", a.binning_x == b.binning_x && a.binning_y == b.binning_y);
-  compare("roi", a.window == b.window);
-  return fields;
+  const auto compare_pixels = [&](const char* field, int was, int is) {
+    if (was != is) entries.push_back(fmt::format("{} ({}, then {})", field, was, is));
+  };
+  compare("K", a.intrinsics, b.intrinsics, kIntrinsics);
+  compare("P", a.projection, b.projection, kProjection);
+  if (a.distortion_model != b.distortion_model)
+    entries.push_back(fmt::format("distortion_model ('{}', then '{}')", a.distortion_model, b.distortion_model));
+  compare("D", a.distortion, b.distortion, {});
+  compare("R", a.rectification, b.rectification, {});
+  compare_pixels("width", a.width_px, b.width_px);
+  compare_pixels("height", a.height_px, b.height_px);
+  compare_pixels("binning_x", a.binning_x, b.binning_x);
+  compare_pixels("binning_y", a.binning_y, b.binning_y);
+  compare_pixels("roi.x_offset", a.window.x_px, b.window.x_px);
+  compare_pixels("roi.y_offset", a.window.y_px, b.window.y_px);
+  compare_pixels("roi.width", a.window.width_px, b.window.width_px);
+  compare_pixels("roi.height", a.window.height_px, b.window.height_px);
+  return entries;
 }
 
 template <std::size_t N>
@@ -100,9 +129,13 @@ std::vector<std::string> RecordedCalibrations::topics() const {
 std::optional<std::string> RecordedCalibrations::change_note(const std::string& topic) const {
   const auto found = by_topic_.find(topic);
   if (found == by_topic_.end() || !found->second.other) return std::nullopt;
-  const auto& [first, other] = found->second;
+  constexpr std::size_t kMostNamed = 3;
+  auto entries = differences(found->second.first, *found->second.other);
+  if (const std::size_t count = entries.size(); count > kMostNamed) {
+    entries.resize(kMostNamed);
+    entries.back() += fmt::format(" and {} more", count - kMostNamed);
+  }
   return fmt::format(
-      "{} changes during the recording: {} (focal length {:g} px, then {:g} px); the first is used for all pairs, and "
-      "the ranges of later ones may be wrong",
-      topic, fmt::join(differences(first, *other), ", "), first.projection[0], other->projection[0]);
+      "{} changes during the recording: {}; the first is used for all pairs, and the ranges of later ones may be wrong",
+      topic, fmt::join(entries, ", "));
 }
