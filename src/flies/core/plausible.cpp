@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <cstdlib>
 #include <initializer_list>
 #include <utility>
 
@@ -274,13 +276,27 @@ void check_not_exchanged(const StereoCamera& camera, int width_px, int height_px
                                camera.cx_px, camera.cy_px, width_px, height_px));
 }
 
+namespace {
+
+/// Whether one size is the other one divided by a whole number, rounded up or down, as images that were halved are.
+bool is_whole_part(int width_px, int height_px, int whole_width_px, int whole_height_px) {
+  const int parts = static_cast<int>(std::lround(static_cast<double>(whole_width_px) / width_px));
+  const auto fits = [&](std::int64_t part_px, int whole_px) { return std::abs(whole_px - parts * part_px) < parts; };
+  return parts > 1 && fits(width_px, whole_width_px) && fits(height_px, whole_height_px);
+}
+
+}  // namespace
+
 std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px) {
   if (from_width_px <= 0 || from_height_px <= 0 || to_width_px <= 0 || to_height_px <= 0) return std::nullopt;
   // Some tools round to the nearest size, others down: the scales that lead to it.
   const auto least = [](int from_px, int to_px) { return (to_px - 0.5) / from_px; };
   const auto most = [](int from_px, int to_px) { return (to_px + 1.0) / from_px; };
-  if (std::max(least(from_width_px, to_width_px), least(from_height_px, to_height_px)) >
-      std::min(most(from_width_px, to_width_px), most(from_height_px, to_height_px)))
+  const bool is_rounded = std::max(least(from_width_px, to_width_px), least(from_height_px, to_height_px)) <=
+                          std::min(most(from_width_px, to_width_px), most(from_height_px, to_height_px));
+  // Where the calibration is for halves and the images are whole, it is the calibration's size that was rounded.
+  if (!is_rounded && !is_whole_part(from_width_px, from_height_px, to_width_px, to_height_px) &&
+      !is_whole_part(to_width_px, to_height_px, from_width_px, from_height_px))
     return std::nullopt;
   return static_cast<double>(to_width_px) / from_width_px;
 }

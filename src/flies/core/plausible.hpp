@@ -61,7 +61,7 @@ bool has_numbers_of(const StereoCamera& camera, int width_px, int height_px);
 void check_not_exchanged(const StereoCamera& camera, int width_px, int height_px, const std::string& source,
                          const std::string& field);
 
-/// The one scale between two sizes, each rounded to the nearest pixel or down; nothing when none fits.
+/// The one scale between two sizes rounded to the nearest pixel or down, of halves and the like also up; else nothing.
 std::optional<double> one_scale(int from_width_px, int from_height_px, int to_width_px, int to_height_px);
 
 /// How images were resized.

@@ -292,6 +292,18 @@ TEST(OneScale, FitsHalfTheSizeAndNotAStretchedOne) {
   EXPECT_FALSE(one_scale(1242, 375, 1242, 300));
 }
 
+TEST(OneScale, FitsHalvesOfOddSizesBothWays) {
+  for (const int half_height_px : {187, 188}) {
+    EXPECT_NEAR(one_scale(1242, 375, 621, half_height_px).value_or(0.0), 0.5, 1e-9) << half_height_px;
+    EXPECT_NEAR(one_scale(621, half_height_px, 1242, 375).value_or(0.0), 2.0, 1e-9) << half_height_px;
+  }
+  EXPECT_TRUE(one_scale(310, 93, 1242, 375));
+  EXPECT_TRUE(one_scale(311, 94, 1242, 375));
+  EXPECT_FALSE(one_scale(621, 186, 1242, 375));
+  EXPECT_FALSE(one_scale(621, 187, 1242, 376));  // exactly 188
+  EXPECT_FALSE(one_scale(1216, 368, 1242, 375));
+}
+
 TEST(ScaledCamera, KeepsThePixelsUnderTheirRays) {
   const auto half = scaled_camera(kCamera, {0.5, 0.5}, 621, 187);
   EXPECT_DOUBLE_EQ(half.fx_px, 360.75);
