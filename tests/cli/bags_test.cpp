@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,52 @@ TEST(Bags, TopicsMayBeNamed) {
   const RunResult wrong = track(folder, {"--topics", "/rig/left/a,/rig/right/c"});
   EXPECT_EQ(wrong.status, 2);
   EXPECT_THAT(wrong.err, AllOf(HasSubstr("no pictures in '/rig/right/c'"), HasSubstr("/rig/right/b (3)")));
+}
+
+/// Pictures that hold both images, as a stereo camera under usb_cam gives them, and no calibration.
+void write_joined(const std::filesystem::path& path, const std::vector<std::string>& topics, bool is_side = true) {
+  const auto& [left, right] = street_pair();
+  cv::Mat both;
+  if (is_side)
+    cv::hconcat(left, right, both);
+  else
+    cv::vconcat(left, right, both);
+  std::string records;
+  for (std::uint32_t i = 0; i < topics.size(); ++i) {
+    records += BagBytes::connection(i, topics[i], "sensor_msgs/Image");
+    for (std::uint64_t time_ns = kStart_ns; time_ns < kStart_ns + kPairs * 100'000'000U; time_ns += 100'000'000U)
+      records += BagBytes::message(
+          {i, time_ns, ros_image(false, time_ns, both.cols, both.rows, "mono8", both.cols, pixels_of(both))});
+  }
+  std::ofstream(path, std::ios::binary) << BagBytes::start() << BagBytes::chunk("none", records, records.size());
+}
+
+TEST(Bags, OneTopicMayHoldBothImages) {
+  const TestFolder folder;
+  write_street(folder.path());
+  const auto sees_the_box = [](const RunResult& result) {
+    ASSERT_EQ(result.status, 0) << result.err;
+    ASSERT_EQ(lines(result.out).size(), static_cast<std::size_t>(kPairs));
+    const json last = json::parse(lines(result.out).back());
+    EXPECT_NEAR(last.at("obstacles").at(0).at("x_m").get<double>(), kBoxX_m, 1.0);
+    EXPECT_NEAR(last.at("time_s").get<double>(), 0.2, 1e-9);
+  };
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& expected) {
+    const RunResult result = track(folder, words);
+    EXPECT_EQ(result.status, 2) << expected;
+    EXPECT_THAT(result.err, HasSubstr(expected));
+  };
+  write_joined(folder.path() / "drive.bag", {"/stereo/image_raw"});
+  sees_the_box(track(folder, {"--split", "side", "--topics", "/stereo/image_raw", "--calib", "calib.txt"}));
+  sees_the_box(track(folder, {"--split", "side", "--calib", "calib.txt"}));
+  refused({"--split", "side"}, "--calib: is missing");
+  refused({"--calib", "calib.txt"}, "or --split if each picture holds both images");
+  refused({"--calib", "calib.txt", "--topics", "/stereo/image_raw"}, "--topics: found one topic, expected LEFT,RIGHT");
+  refused({"--split", "side", "--calib", "calib.txt", "--topics", "/a,/b"}, "--topics: found two topics, expected one");
+  refused({"--split", "side", "--calib", "calib.txt", "--topics", "/a"}, "no pictures in '/a' (--topics)");
+  write_joined(folder.path() / "drive.bag", {"/stereo/image_raw", "/other/image_raw"}, false);
+  sees_the_box(track(folder, {"--split", "top", "--topics", "/stereo/image_raw", "--calib", "calib.txt"}));
+  refused({"--split", "top", "--calib", "calib.txt"}, "name the one that holds both images with --topics TOPIC");
 }
 
 /// One picture of each of these topics at one time.
@@ -149,7 +196,8 @@ TEST(Bags, PicturesOfOneSideAloneOfAFileThatWasCutOff) {
   RunResult result = track(folder, {});
   EXPECT_EQ(result.status, 2);
   EXPECT_EQ(result.err,
-            "flies: drive.bag: holds no pairs, which need pictures of two topics; topics with pictures: /left (1)\n");
+            "flies: drive.bag: holds no pairs, which need pictures of two topics, or --split if each picture "
+            "holds both images; topics with pictures: /left (1)\n");
   std::ofstream(folder.path() / "drive.bag", std::ios::binary | std::ios::app) << "cut";
   result = track(folder, {});
   EXPECT_EQ(result.status, 2);

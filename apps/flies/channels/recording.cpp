@@ -88,12 +88,18 @@ typename ByTime::const_iterator nearest(const ByTime& entries, std::uint64_t tim
 
 }  // namespace
 
-Recording::Recording(const std::string& path, const std::optional<std::array<std::string, 2>>& topics)
-    : path_(path), reader_(flies::open_recording(path)) {
+Recording::Recording(const std::string& path, const std::vector<std::string>& topics, flies::Split split)
+    : path_(path), split_(split), reader_(flies::open_recording(path)) {
   read_all();
-  choose_topics(topics);
-  pair_up();
-  for (const auto& topic : {left_, right_}) note_losses(topic);
+  if (is_joined()) {
+    choose_joined_topic(topics);
+    take_joined_pairs();
+  } else {
+    choose_topics(topics);
+    pair_up();
+    note_losses(left_);
+  }
+  note_losses(right_);
   if (damaged_)
     notes_.push_back(
         damaged_->count == 1
@@ -200,15 +206,34 @@ std::string Recording::unread_topics() const {
       fmt::join(names, ", "));
 }
 
-void Recording::choose_topics(const std::optional<std::array<std::string, 2>>& topics) {
-  if (topics) {
-    for (const auto& topic : *topics) {
-      if (pictures_.contains(topic)) continue;
-      throw_fault_of(topic);
-      complain(fmt::format("holds no pictures in '{}' (--topics); {}", topic, picture_topics()));
-    }
-    left_ = (*topics)[0];
-    right_ = (*topics)[1];
+void Recording::require_pictures(const std::string& topic) const {
+  if (pictures_.contains(topic)) return;
+  throw_fault_of(topic);
+  complain(fmt::format("holds no pictures in '{}' (--topics); {}", topic, picture_topics()));
+}
+
+/// The topic whose pictures hold both images.
+void Recording::choose_joined_topic(const std::vector<std::string>& topics) {
+  if (topics.size() > 1)
+    throw flies::InputError("command line", "--topics",
+                            "found two topics, expected one: with --split its pictures hold both images");
+  if (topics.empty() && pictures_.size() > 1)
+    throw flies::InputError(
+        path_, "",
+        "holds pictures in several topics; name the one that holds both images with --topics TOPIC; " +
+            picture_topics());
+  left_ = right_ = topics.empty() ? pictures_.begin()->first : topics.front();
+  require_pictures(left_);
+}
+
+void Recording::choose_topics(const std::vector<std::string>& topics) {
+  if (topics.size() == 1)
+    throw flies::InputError("command line", "--topics",
+                            "found one topic, expected LEFT,RIGHT, or --split if its pictures hold both images");
+  if (!topics.empty()) {
+    for (const auto& topic : topics) require_pictures(topic);
+    left_ = topics[0];
+    right_ = topics[1];
     return;
   }
   std::vector<std::string> names;
@@ -223,11 +248,17 @@ void Recording::choose_topics(const std::optional<std::array<std::string, 2>>& t
                       path_, left_, right_));
     return;
   }
-  if (names.size() < 2) complain("holds no pairs, which need pictures of two topics; " + picture_topics());
+  if (names.size() < 2)
+    complain("holds no pairs, which need pictures of two topics, or --split if each picture holds both images; " +
+             picture_topics());
   throw flies::InputError(
       path_, "",
       "cannot tell the left pictures from the right ones; name two topics with --topics LEFT,RIGHT; " +
           picture_topics());
+}
+
+void Recording::take_joined_pairs() {
+  for (const auto& [time_ns, place] : pictures_[left_]) pairs_.push_back({time_ns, pairs_.size(), place, place});
 }
 
 /// Two pictures are a pair when each is the nearest to the other, as images of two folders are.
@@ -289,6 +320,7 @@ cv::Mat Recording::picture(const flies::MessagePlace& place, const std::string& 
 
 flies::GrayPair Recording::pair(std::size_t pair) const {
   const cv::Mat left = picture(pairs_[pair].left, name(pair, false));  // whose faults are told first
+  if (is_joined()) return flies::pair_of_halves(left, split_, name(pair, false));
   const cv::Mat right = picture(pairs_[pair].right, name(pair, true));
   flies::GrayPair images = flies::pair_of_levels(left, right);
   flies::check_pair(images.view(), name(pair, false), name(pair, true));

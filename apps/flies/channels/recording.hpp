@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "flies/core/error.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/gray_image.hpp"
+#include "flies/io/images.hpp"
 #include "flies/record/recorded_message.hpp"
 #include "flies/record/ros_message.hpp"
 #include "shared/camera_arguments.hpp"
@@ -23,9 +23,11 @@
 class Recording {
  public:
   /// Reads the file once, to know what is where.
-  /// @param topics of the left and the right pictures; nothing: ours, else those whose names say left and right
+  /// @param topics of the left and the right pictures; none: ours, else those whose names say left and right. With a
+  ///        split the one whose pictures hold both; none: the only one that there is
   /// @throws InputError naming the file, and the topics that there are, when it cannot be read or lacks pictures
-  explicit Recording(const std::string& path, const std::optional<std::array<std::string, 2>>& topics = std::nullopt);
+  explicit Recording(const std::string& path, const std::vector<std::string>& topics = {},
+                     flies::Split split = flies::Split::none);
 
   std::size_t size() const { return pairs_.size(); }
   double time_s(std::size_t pair) const;  ///< since the first pair
@@ -65,10 +67,14 @@ class Recording {
   void read_or_pass_over(const flies::RecordedMessage& message);
   void read(const flies::RecordedMessage& message);
   void add_picture(const flies::RecordedMessage& message, std::uint64_t time_ns);
-  void choose_topics(const std::optional<std::array<std::string, 2>>& topics);
+  void choose_topics(const std::vector<std::string>& topics);
+  void choose_joined_topic(const std::vector<std::string>& topics);
+  void require_pictures(const std::string& topic) const;
   void throw_fault_of(const std::string& topic) const;
   void note_losses(const std::string& topic);
   void pair_up();
+  void take_joined_pairs();
+  bool is_joined() const { return split_ != flies::Split::none; }
   std::string picture_topics() const;
   std::string unread_topics() const;
   const flies::RosCameraInfo& camera_info(const std::string& topic) const;
@@ -77,6 +83,7 @@ class Recording {
   bool is_our_own() const;
 
   std::string path_;
+  flies::Split split_;  ///< how one picture holds both
   std::unique_ptr<flies::RecordingReader> reader_;
   std::map<std::string, Pictures> pictures_;
   std::map<std::string, std::size_t> replaced_;  ///< pictures of a topic that had the time of a later one
@@ -85,7 +92,7 @@ class Recording {
   std::map<std::string, std::size_t> unread_;    ///< messages with pictures of kinds that are not read, by their topics
   std::map<std::string, std::string> mosaics_;   ///< topics of mosaics of colours, and how these say that they are some
   RecordedCalibrations calibrations_;
-  std::string left_, right_;  ///< the topics
+  std::string left_, right_;  ///< the topics; with a split the same
   std::vector<Pair> pairs_;
   OwnCalibration own_;
   bool has_own_pictures_ = false;  ///< on the topic of our left ones

@@ -11,6 +11,7 @@
 #include "channels/recording.hpp"
 #include "flies/core/error.hpp"
 #include "flies/io/folder.hpp"
+#include "flies/io/image_folder.hpp"
 #include "flies/io/image_names.hpp"
 #include "flies/io/images.hpp"
 #include "flies/io/pair_matching.hpp"
@@ -159,22 +160,29 @@ bool is_drive(const fs::path& folder, const SequenceRequest& request) {
   });
 }
 
+bool holds_joined_images(const std::string& folder, flies::Split split) {
+  return split != flies::Split::none &&
+         std::ranges::any_of(flies::detail::files_of(folder), flies::detail::is_image_name);
+}
+
 /// The recording that is asked for; nothing when it is images. Folders of images may hold one beside them.
 std::optional<std::string> recording_in(const SequenceRequest& request) {
   if (request.sources.size() != 1) return std::nullopt;
   const std::string& source = request.sources[0];
   if (flies::detail::is_there_as_folder(source) &&
-      (request.reading.split != flies::Split::none || is_drawn(source) || is_drive(source, request)))
+      (holds_joined_images(source, request.reading.split) || is_drawn(source) || is_drive(source, request)))
     return std::nullopt;
   return recording_of(source);
 }
 
-void open_recording(SequenceSource& source, const std::string& path,
-                    const std::optional<std::array<std::string, 2>>& topics) {
-  if (source.reading.split != flies::Split::none || source.reading.bayer)
-    throw flies::InputError(path, "--split, --bayer",
-                            "are for image files; a recording itself says what its pictures are");
-  source.recording = std::make_shared<Recording>(path, topics);
+void open_recording(SequenceSource& source, const std::string& path, const std::vector<std::string>& topics) {
+  if (source.reading.bayer)
+    throw flies::InputError(path, "--bayer", "is for image files; a recording itself says what its pictures are");
+  source.recording = std::make_shared<Recording>(path, topics, source.reading.split);
+  if (source.reading.split != flies::Split::none && source.calib.empty())
+    throw flies::InputError(
+        "command line", "--calib",
+        "is missing, expected a file: a recording has no calibration of both images in one picture");
   for (std::size_t i = 0; i < source.recording->size(); ++i) {
     source.pairs.push_back({source.recording->name(i, false), source.recording->name(i, true)});
     source.times_s.push_back(source.recording->time_s(i));
@@ -192,7 +200,7 @@ std::optional<std::string> place_of_times(const SequenceSource& source, const st
 }
 
 void refuse_topics(const SequenceRequest& request) {
-  if (request.topics)
+  if (!request.topics.empty())
     throw flies::InputError(
         "command line", "--topics",
         fmt::format("are those of a recording (.mcap, .bag), and {} is not one", request.sources[0]));

@@ -28,12 +28,12 @@ struct SequenceSource {
 struct SequenceRequest {
   std::vector<std::string>
       sources;  ///< a KITTI raw drive, a drawn sequence, a recording, or two folders; with a split one
-  flies::PairReading reading = {};                   ///< how files of folders hold pairs
-  std::string calib;                                 ///< empty: that of the drive
-  std::string times;                                 ///< file of times, a line a pair; empty: see below
-  std::optional<double> rate_hz;                     ///< pairs a second
-  std::optional<std::array<std::string, 2>> topics;  ///< of a recording; else found by their names
-  std::optional<std::array<int, 2>> cameras;         ///< of a drive; else 0 and 1 if there, else 2 and 3
+  flies::PairReading reading = {};  ///< how files of folders hold pairs
+  std::string calib;                ///< empty: that of the drive
+  std::string times;                ///< file of times, a line a pair; empty: see below
+  std::optional<double> rate_hz;    ///< pairs a second
+  std::vector<std::string> topics;  ///< of a recording, left and right, with a split one; none: found by their names
+  std::optional<std::array<int, 2>> cameras;  ///< of a drive; else 0 and 1 if there, else 2 and 3
 };
 
 /// Times: those of `times`, which overrules `rate_hz` with a note, else by `rate_hz`, which overrules the following

@@ -45,7 +45,6 @@ struct TrackArguments {
   RunCorrections corrections;
   MethodArguments method;
   Overrides following;  ///< options of ego and track: dotted name and text
-  std::vector<std::string> topics;
   ReadingArguments reading;
   std::string json, kitti, video;
 };
@@ -140,7 +139,6 @@ void run_track(TrackArguments arguments) {
   const auto classifier = classifier_of(arguments.method);
   if (!arguments.camera.cameras.empty())
     arguments.sequence.cameras = std::array{arguments.camera.cameras[0], arguments.camera.cameras[1]};
-  if (!arguments.topics.empty()) arguments.sequence.topics = std::array{arguments.topics[0], arguments.topics[1]};
   arguments.sequence.reading = reading_of(arguments.reading);
   const SequenceSource source = open_sequence(arguments.sequence);
   claims.reads(source.pairs);
@@ -242,11 +240,16 @@ void setup_track(CLI::App& app) {
       ->add_option("--times", arguments->sequence.times,
                    "times of the pairs, one per line: seconds, or as in KITTI raw")
       ->type_name("FILE");
-  command->add_option("--topics", arguments->topics, "topics of the left and the right pictures in a recording")
-      ->expected(2)
+  command
+      ->add_option("--topics", arguments->sequence.topics,
+                   "topics of the left and the right pictures in a recording; with --split the one that holds both")
+      ->expected(1, 2)
       ->delimiter(',')
       ->type_name("LEFT,RIGHT");
   add_reading_options(*command, arguments->reading);
+  command->get_option("--split")->description(
+      "one file, or one picture of a recording, holds both images: side (side by side, left first) or top (one above "
+      "the other, left on top); a recording then needs --calib");
   add_cameras_option(
       *command, arguments->camera,
       "left and right camera of a KITTI calibration, e.g. 2,3; default for a drive: 0,1 if it has them, or else 2,3");

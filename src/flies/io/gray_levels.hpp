@@ -4,6 +4,7 @@
 #include <string>
 
 #include "flies/io/gray_image.hpp"
+#include "flies/io/images.hpp"
 
 namespace cv {
 class Mat;
@@ -23,5 +24,10 @@ GrayImage image_of_levels(const cv::Mat& levels);
 
 /// Both images of a pair, as `load_pair` says of files. Nothing is held against each other but the levels.
 GrayPair pair_of_levels(const cv::Mat& left, const cv::Mat& right);
+
+/// The pair in the halves of one image, as `load_pair` says of files.
+/// @param split not `none`
+/// @throws InputError naming the image when it cannot be halved, or its halves are too small or the same
+GrayPair pair_of_halves(const cv::Mat& levels, Split split, const std::string& name);
 
 }  // namespace flies

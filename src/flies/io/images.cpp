@@ -124,10 +124,8 @@ GrayPair pair_of(const cv::Mat& left, const cv::Mat& right, const std::string& l
   return pair;
 }
 
-GrayPair load_split_pair(const std::string& path, const PairReading& reading) {
-  Notes notes;
-  const cv::Mat both = read_gray(path, reading, notes);
-  const bool is_side = reading.split == Split::side_by_side;
+GrayPair halves_of(const cv::Mat& both, Split split, const std::string& path, Notes notes) {
+  const bool is_side = split == Split::side_by_side;
   const int length = is_side ? both.cols : both.rows;
   if (length % 2 != 0)
     throw InputError(path, "size",
@@ -140,7 +138,17 @@ GrayPair load_split_pair(const std::string& path, const PairReading& reading) {
   return pair_of(left, right, path + " (first half)", path + " (second half)", std::move(notes));
 }
 
+GrayPair load_split_pair(const std::string& path, const PairReading& reading) {
+  Notes notes;
+  const cv::Mat both = read_gray(path, reading, notes);
+  return halves_of(both, reading.split, path, std::move(notes));
+}
+
 }  // namespace
+
+GrayPair pair_of_halves(const cv::Mat& levels, Split split, const std::string& name) {
+  return halves_of(levels, split, name, {});
+}
 
 GrayPair load_pair(const PairPaths& paths, const PairReading& reading) {
   if (reading.split != Split::none) return load_split_pair(paths.left, reading);
