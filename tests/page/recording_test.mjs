@@ -110,6 +110,12 @@ function streamed(path) {
   const tracks = byTopic.get("/record").at(-1).tracks;
   assert.ok(tracks.length > 3);
   assert.deepEqual(byTopic.get("/tracks").at(-1).entities.map(({ id }) => id), tracks.map(({ id }) => String(id)));
+  for (const [i, { entities }] of byTopic.get("/tracks").entries())
+    for (const { id, arrows: [arrow] } of entities) {
+      if (!arrow) continue;
+      const track = byTopic.get("/record")[i].tracks.find((one) => String(one.id) === id);
+      assert.ok(Math.abs(arrow.shaft_length + arrow.head_length - Math.hypot(track.vx_mps, track.vy_mps)) < 2e-3, id);
+    }
   assert.equal(byTopic.get("/left/annotations").at(-1).points.length, tracks.length);
   assert.equal(Buffer.from(byTopic.get("/left")[0].data, "base64").subarray(0, 2).toString("hex"), "ffd8");
   assert.equal(reader.statistics.messageCount, BigInt(topics.length * lines.length + (byTopic.get("/log")?.length ?? 0)));

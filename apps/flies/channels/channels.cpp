@@ -161,12 +161,13 @@ Json entity(const Stamped& at, const flies::Track& track) {
   e["frame_locked"] = true;
   e["metadata"] = Json::array({{{"key", "probability"}, {"value", std::to_string(track.probability)}}});
   e["arrows"] = Json::array();
-  constexpr double kMoves_mps = 0.3;
+  constexpr double kMoves_mps = 0.3, kMostHead_m = 0.3;
+  const double head_m = std::min(kMostHead_m, 0.5 * speed);
   if (speed > kMoves_mps)
     e["arrows"].push_back({{"pose", pose_at(x, y, 0.2, std::atan2(track.velocity.vy_mps, track.velocity.vx_mps))},
-                           {"shaft_length", number(speed)},
+                           {"shaft_length", number(speed - head_m)},
                            {"shaft_diameter", 0.1},
-                           {"head_length", 0.3},
+                           {"head_length", number(head_m)},
                            {"head_diameter", 0.25},
                            {"color", class_color(is_person)}});
   e["cubes"] = Json::array({{{"pose", pose_at(x, y, height / 2, std::atan2(y, x))},
