@@ -61,6 +61,7 @@ TEST_F(Bench, RefusesHalfOfAnInput) {
   refused({"bench", "left.png"}, "RIGHT");
   refused({"bench", "left.png", "right.png"}, "--calib");
   refused({"bench", "--calib", "calib.txt"}, "--calib");
+  refused({"bench", "--baseline", "0.5"}, "--baseline: belongs to a LEFT and RIGHT image");
   refused({"bench", "--runs", "0"}, "--runs");
 }
 

@@ -263,6 +263,13 @@ TEST_F(Calibrate, RefusesWhatCannotBe) {
   refused({"left.png", "--square", "0.025", "--output", "rig.yml"}, "RIGHT");
   refused({"no.avi", "--live", "--board", "9x6", "--square", "0.025", "--output", "rig.yml"}, "no.avi: does not exist");
   refused(with({"--views", "8"}), "--live");
+  refused(with({"--live", "--size", "640,240"}), "--size: is asked of cameras");
+  refused(with({"--live", "--split", "side"}), "is not needed: with --split one source holds both images");
+  refused(with({"--live", "--pair-by", "time"}), "--pair-by: is for folders of images");
+  refused(with({"--marker", "0.02"}), "--marker: is for --kind charuco or aprilgrid");
+  refused(with({"--dictionary", "5x5_50"}), "--dictionary: is for --kind charuco");
+  for (const Words& output : {Words{"--output", "rig.yml"}, {"--picture", "p.png"}, {"--json", "r.json"}})
+    refused({"left.png", "right.png", "--check", "calib.txt", output[0], output[1]}, "--check");
   refused(with({"--kind", "checkers"}), "expected chessboard");
   refused(with({"--lens", "wide"}), "expected pinhole");
   refused(with({"--split", "diagonal"}), "none, side or top");

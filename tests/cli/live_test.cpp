@@ -242,6 +242,27 @@ TEST_F(LiveCommand, FaultsAreToldInOneLine) {
   }
 }
 
+TEST_F(LiveCommand, OptionsThatCannotApplyAreRefused) {
+  const std::vector<std::pair<Words, std::string>> faults = {
+      {{"beside.avi", "--view-address", "0.0.0.0"}, "--view-address requires --view"},
+      {{"beside.avi", "--foxglove-address", "0.0.0.0"}, "--foxglove-address requires --foxglove"},
+      {{"l.avi", "r.avi", "--split", "top"}, "r.avi: is not needed: with --split one source holds both images"},
+      {{"beside.avi", "--size", "640,240"}, "--size: is asked of cameras (0, /dev/video0), and beside.avi is none"},
+      {{"left", "right", "--size", "640,240"}, "--size: is asked of cameras"},
+      {{"beside.avi", "--max-skew", "5"}, "--max-skew: is for two cameras, films or pipelines"},
+      {{"left", "right", "--max-skew", "5"}, "--max-skew: is for two cameras, films or pipelines"},
+      {{"/dev/video987", "--loop"}, "--loop: is for films and folders, and /dev/video987 is neither"},
+      {{"videotestsrc ! identity", "--rate", "5"}, "--rate: is for cameras, films and folders"},
+  };
+  for (auto [words, expected] : faults) {
+    words.insert(words.end(), {"--calib", "calib.txt"});
+    const RunResult result = run(words);
+    EXPECT_EQ(result.status, 2) << expected;
+    EXPECT_THAT(lines(result.err), SizeIs(1));
+    EXPECT_THAT(result.err, HasSubstr(expected));
+  }
+}
+
 TEST_F(LiveCommand, StartThatFailsLeavesOldOutputsAlone) {
   write_text(folder.path() / "text.avi", "no film");
   cv::Mat beside;

@@ -194,7 +194,8 @@ TEST_F(Reading, WordsThatDoNotFitAreRefused) {
   refused("detect", {"left.png", "--split", "down"}, "expected none, side or top");
   refused("detect", {"left.png", "right.png", "--bayer", "rgbg"}, "expected rggb, bggr, grbg or gbrg");
   write_text(folder.path() / "run.mcap", "not read");
-  refused("track", {"run.mcap", "--split", "side"}, "a recording itself says");
+  refused("track", {"run.mcap", "--bayer", "rggb"}, "a recording itself says");
+  refused("detect", {"both", "--split", "side", "--pair-by", "time"}, "is for two folders");
   refused("live", {"both", "--bayer", "rgbg"}, "expected rggb, bggr, grbg or gbrg");
 }
 

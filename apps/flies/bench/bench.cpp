@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "bench/bench_measure.hpp"
 #include "flies/core/error.hpp"
@@ -27,6 +28,7 @@ namespace {
 struct BenchArguments {
   std::string left, right, calib, json;
   CameraArguments camera;
+  std::vector<const CLI::Option*> of_the_pair;  ///< options that only images have
   bool only_flies = false;
   BenchPlan plan;
 };
@@ -69,7 +71,8 @@ BenchInput bench_input(const BenchArguments& arguments) {
     throw flies::InputError("command line", field, complaint);
   };
   if (arguments.left.empty()) {
-    if (!arguments.calib.empty()) complain("--calib", "belongs to a LEFT and RIGHT image, found none");
+    for (const auto* option : arguments.of_the_pair)
+      if (option->count() > 0) complain(option->get_name().c_str(), "belongs to a LEFT and RIGHT image, found none");
     return synthetic_input();
   }
   if (arguments.right.empty()) complain("RIGHT", "missing, expected the right image");
@@ -181,6 +184,8 @@ void setup_bench(CLI::App& app) {
       "left and right camera of a KITTI calibration, e.g. 0,1; default: those in the image paths, or else 2,3");
   add_calibration_options(*command, arguments->camera);
   add_mount_options(*command, arguments->camera);
+  for (const CLI::Option* option : command->get_options([](const CLI::Option* one) { return one->nonpositional(); }))
+    arguments->of_the_pair.push_back(option);
   command->add_option("--runs", arguments->plan.runs, "number of runs of everything, in turns; medians are printed")
       ->check(in_range(1, 1000))
       ->capture_default_str();

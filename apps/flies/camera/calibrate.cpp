@@ -25,6 +25,7 @@
 #include "shared/output_claims.hpp"
 #include "shared/pair_arguments.hpp"
 #include "shared/progress_bar.hpp"
+#include "shared/source_options.hpp"
 #include "shared/standard_output.hpp"
 
 namespace {
@@ -63,6 +64,12 @@ flies::Board board_of(const CalibrateArguments& arguments) {
   if (board.square_m == 0.0)
     throw flies::InputError("--square", "", "is missing: give the side of a square (or tag), metres");
   flies::check_board(board);
+  if (board.kind == flies::BoardKind::chessboard && board.marker_m != 0.0)
+    throw flies::InputError("command line", "--marker",
+                            "is for --kind charuco or aprilgrid: a chessboard has no markers");
+  if (board.kind != flies::BoardKind::charuco && board.dictionary != flies::Board{}.dictionary)
+    throw flies::InputError("command line", "--dictionary",
+                            fmt::format("is for --kind charuco, found --kind {}", arguments.kind));
   return board;
 }
 
@@ -85,7 +92,11 @@ SeenBoards find_living_boards(const CalibrateArguments& arguments, const flies::
   LivingBoards living = arguments.living;
   living.sources = {arguments.images.left};
   if (!arguments.images.right.empty()) living.sources.push_back(arguments.images.right);
-  return watch_boards(living, reading_of(arguments.images.reading), tools_for(arguments, board), board);
+  const flies::PairReading reading = reading_of(arguments.images.reading);
+  refuse_idle_source_options(living.sources, reading.split, !living.size_px.empty());
+  if (arguments.images.pair_by != PairArguments{}.pair_by)
+    throw flies::InputError("command line", "--pair-by", "is for folders of images, not for --live");
+  return watch_boards(living, reading, tools_for(arguments, board), board);
 }
 
 /// The board in both images; in the right one it is looked for where the left one shows it.
@@ -304,16 +315,20 @@ void setup_calibrate(CLI::App& app) {
   command
       ->add_option("--check", arguments->check,
                    "do not calibrate, but check with any scene whether this calibration still fits the cameras")
+      ->excludes("--live")
       ->type_name("FILE");
   command->add_option("--output", arguments->output, "calibration file to write; every command reads it")
+      ->excludes("--check")
       ->type_name("FILE")
       ->group("Output");
   command
       ->add_option("--picture", arguments->picture,
                    "picture of where in both images corners were found, and where none were")
+      ->excludes("--check")
       ->type_name("PNG")
       ->group("Output");
   command->add_option("--json", arguments->json, "errors of all views and corners; - is standard output")
+      ->excludes("--check")
       ->type_name("FILE")
       ->group("Output");
   command->footer(

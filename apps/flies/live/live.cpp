@@ -11,6 +11,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/io/folder.hpp"
+#include "flies/video/capture.hpp"
 #include "live/live_run.hpp"
 #include "live/live_sources.hpp"
 #include "live/run_outputs.hpp"
@@ -26,6 +27,7 @@
 #include "shared/pair_arguments.hpp"
 #include "shared/recording_file.hpp"
 #include "shared/sequence_source.hpp"
+#include "shared/source_options.hpp"
 
 namespace {
 
@@ -39,7 +41,7 @@ struct LiveArguments {
   flies::PairStreamRequest stream;
   std::string times;
   std::vector<int> size_px;
-  double max_skew_ms = 20.0;
+  std::optional<double> max_skew_ms;
   std::uint64_t max_pairs = 0;
   OutputRequest outputs;
 
@@ -62,6 +64,26 @@ int port_number(const std::string& text, const std::string& option) {
 [[noreturn]] void refuse_recording(const std::string& path) {
   throw flies::InputError(path, "",
                           "is a recording, expected a camera, a film or folders of images; `flies track` reads it");
+}
+
+/// @throws flies::InputError naming an option that can do nothing with these sources
+void refuse_idle_options(const LiveArguments& arguments) {
+  const auto& sources = arguments.sources;
+  const auto& stream = arguments.stream;
+  refuse_idle_source_options(sources, stream.reading.split, !arguments.size_px.empty());
+  const auto refuse = [](const char* option, const std::string& why) {
+    throw flies::InputError("command line", option, why);
+  };
+  const auto is_any = [&](flies::SourceKind kind) {
+    return std::ranges::find(sources, kind, flies::source_kind) != sources.end();
+  };
+  const bool has_file = is_any(flies::SourceKind::file), has_device = is_any(flies::SourceKind::device);
+  if (arguments.max_skew_ms && (sources.size() == 1 || flies::detail::is_there_as_folder(sources.front())))
+    refuse("--max-skew", "is for two cameras, films or pipelines, whose pictures are paired by their times");
+  if (stream.is_looped && !has_file)
+    refuse("--loop", fmt::format("is for films and folders, and {} is neither", sources.front()));
+  if (stream.rate_hz > 0.0 && !has_file && !has_device)
+    refuse("--rate", fmt::format("is for cameras, films and folders, and {} is none of them", sources.front()));
 }
 
 /// Folders become lists of pairs with their times.
@@ -108,7 +130,7 @@ LiveRequest live_request(LiveArguments& arguments, OutputClaims& claims) {
     request.stream.width_px = arguments.size_px[0];
     request.stream.height_px = arguments.size_px[1];
   }
-  request.stream.max_skew_s = 1e-3 * arguments.max_skew_ms;
+  if (arguments.max_skew_ms) request.stream.max_skew_s = 1e-3 * *arguments.max_skew_ms;
   request.calib = arguments.calib;
   request.camera = arguments.camera;
   request.corrections = corrections_for(arguments.corrections, arguments.method);
@@ -152,6 +174,7 @@ class Steered {
 void run_live(LiveArguments arguments) {
   read_options_file(arguments.method);
   std::ranges::transform(arguments.sources, arguments.sources.begin(), without_file_scheme);
+  refuse_idle_options(arguments);
   check_sources_differ(arguments.sources);
   OutputClaims claims = check_outputs(arguments);
   LiveRequest request = live_request(arguments, claims);
@@ -271,6 +294,7 @@ void setup_live(CLI::App& app) {
   command
       ->add_option("--view-address", arguments->outputs.view_address,
                    "address of the page; if other machines can reach it, it asks for a token; default 127.0.0.1")
+      ->needs("--view")
       ->type_name("ADDRESS")
       ->group("Output");
   command
@@ -288,6 +312,7 @@ void setup_live(CLI::App& app) {
   command
       ->add_option("--foxglove-address", arguments->outputs.foxglove_address,
                    "IP address to listen on for Foxglove; anyone who can reach it sees everything; default 127.0.0.1")
+      ->needs("--foxglove")
       ->type_name("ADDRESS")
       ->group("Output");
   command

@@ -57,9 +57,12 @@ flies::MatchedPairs matched_pairs_of(const PairArguments& arguments) {
   if (!is_joined && arguments.right.empty())
     throw flies::InputError("RIGHT", "",
                             "is missing: give the right image or a folder of them, or --split if LEFT holds both");
-  if (is_joined) return {.pairs = flies::find_joined_pairs(arguments.left), .odd = {}};
   const auto by = flies::pair_by_of(arguments.pair_by);
   if (!by) throw flies::InputError("--pair-by", arguments.pair_by, "unknown, expected auto, order, name or time");
+  if (is_joined && arguments.pair_by != PairArguments{}.pair_by)
+    throw flies::InputError("--pair-by", arguments.pair_by,
+                            "is for two folders, and with --split one holds both images");
+  if (is_joined) return {.pairs = flies::find_joined_pairs(arguments.left), .odd = {}};
   auto found = flies::match_pairs(arguments.left, arguments.right, *by);
   if (!found.odd.empty())
     found.notes.insert(found.notes.begin(),
@@ -76,7 +79,7 @@ std::vector<flies::PairPaths> pairs_of(const PairArguments& arguments) {
 flies::Calibration calibration_of_files(const std::string& calib, const CameraArguments& camera,
                                         const flies::PairPaths& pair, const flies::RectifiedPair& images) {
   if (const auto note = orientation_note(pair)) say_notes({*note});
-  return flies::load_calibration(calib, calibration_request(camera, pair.left, pair.right, images));
+  return calibration_for(calib, camera, pair.left, pair.right, images);
 }
 
 std::optional<std::string> orientation_note(const flies::PairPaths& pair) {
