@@ -82,7 +82,7 @@ void bind_detector(py::module_& module) {
           "A rectified pair, uint8 arrays of shape (height, width), not copied; rows may lie apart, so halves of a\n"
           "side-by-side picture will do. Other threads run meanwhile; do not write to the images until it returns.\n"
           "Returns a Detection. Raises InputError when the images do not fit the camera or are no pair: one picture\n"
-          "twice, or, of the first pair, left and right swapped.");
+          "twice, or left and right swapped (every 32nd pair is asked).");
 }
 
 void bind_tracker(py::module_& module) {

@@ -282,6 +282,99 @@ TEST_F(Check, HowAFileIsTakenIsNoDoubt) {
   }
 }
 
+/// A rig whose right camera looks higher, so that its raw images show everything `kRaised_px` lower.
+constexpr double kRaised_px = 25.0;
+
+struct CheckRaw : Check {
+  CheckRaw() {
+    cv::Mat raised;
+    const cv::Matx23d moved(1, 0, 0, 0, 1, kRaised_px);
+    cv::warpAffine(street_pair().right, raised, moved, street_pair().right.size(), cv::INTER_LINEAR,
+                   cv::BORDER_REPLICATE);
+    write_image(folder.path() / "raw.png", raised);
+    write_text(folder.path() / "raw.yml",
+               "%YAML:1.0\n---\nimage_width: 320\nimage_height: 240\nM1: [300, 0, 160, 0, 300, 110, 0, 0, 1]\n"
+               "D1: [0, 0, 0, 0]\nM2: [300, 0, 160, 0, 300, 135, 0, 0, 1]\nD2: [0, 0, 0, 0]\n"
+               "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [-0.5, 0, 0]\n");
+  }
+  RunResult run(const std::string& command, const std::string& left, const std::string& right) const {
+    return run_flies(folder.path(), {command, left, right, "--calib", "raw.yml"});
+  }
+  /// Of every command: that images are no pair, and why.
+  void expect_refused(const std::string& left, const std::string& right, const std::string& why) const {
+    const std::string begins = left + ": " + why;
+    const RunResult detected = run("detect", left, right);
+    EXPECT_EQ(detected.status, 2);
+    EXPECT_THAT(lines(detected.err).back(), ::testing::StartsWith("flies: " + begins));
+    EXPECT_THAT(run("check", left, right).out, ::testing::ContainsRegex("to check:\n  - " + begins + "[^\n]*\n$"));
+    for (const auto& [folder_name, image] : {std::pair("l", left), std::pair("r", right)}) {
+      std::filesystem::create_directories(folder.path() / folder_name);
+      for (const char* name : {"0.png", "1.png"})
+        std::filesystem::copy_file(folder.path() / image, folder.path() / folder_name / name,
+                                   std::filesystem::copy_options::overwrite_existing);
+    }
+    const RunResult tracked = run("track", "l", "r");
+    EXPECT_EQ(tracked.status, 2);
+    EXPECT_THAT(lines(tracked.err).back(), ::testing::StartsWith("flies: l/0.png: " + why));
+    const RunResult lived = run("live", "l", "r");
+    EXPECT_EQ(lived.status, 2);
+    EXPECT_THAT(lines(lived.err).back(), ::testing::StartsWith("flies: l/0.png: " + why));
+    EXPECT_THAT(run("check", "l", "r").out, HasSubstr("to check:\n  - l/0.png: " + why));
+  }
+};
+
+TEST_F(CheckRaw, ImagesThatAreSwappedAreSaidToBeSwappedByEveryCommand) {
+  EXPECT_EQ(run("detect", "left.png", "raw.png").status, 0);
+  expect_refused("raw.png", "left.png", "left and right seem to be swapped");
+}
+
+TEST_F(CheckRaw, ImagesThatAreRectifiedAlreadyAreSaidToBeRectifiedByEveryCommand) {
+  expect_refused("left.png", "right.png", "the images seem to be rectified already");
+}
+
+TEST_F(Check, SaysWhatIsSeenBadlyAndHowRowsLieBeforeTheMountAndNearThings) {
+  write_low_right();
+  cv::Mat left = street_pair().left.clone(), low = cv::imread((folder.path() / "low.png").string(), 0);
+  const cv::Mat near = unrelated_picture()(cv::Rect(0, 0, 60, 150));
+  near.copyTo(left(cv::Rect(220, 80, 60, 150)));
+  near.copyTo(low(cv::Rect(100, 80 + static_cast<int>(kRows_px), 60, 150)));
+  low.colRange(260, 320).setTo(90);
+  write_image(folder.path() / "left.png", left);
+  write_image(folder.path() / "low.png", low);
+  const std::string out = run_flies(folder.path(), {"check", "left.png", "low.png", "--calib", "calib.txt"}).out;
+  const auto at = [&](const char* words) {
+    const auto found = out.find(words);
+    EXPECT_NE(found, std::string::npos) << words << " in " << out;
+    return found;
+  };
+  EXPECT_LT(at("shows nothing"), at("px lower than those"));
+  EXPECT_LT(at("px lower than those"), at("something stands nearer"));
+}
+
+TEST_F(Check, SaysThatACameraIsCoveredBeforeItDoubtsTheMount) {
+  cv::Mat covered = street_pair().right.clone();
+  covered.colRange(0, 60).setTo(90);
+  write_image(folder.path() / "right.png", covered);
+  const std::string out = with_mount("check", {"--camera-height", "1.2", "--camera-pitch", "0"}).out;
+  EXPECT_THAT(out, ::testing::ContainsRegex("shows nothing.*\n  - the road lies")) << out;
+}
+
+TEST_F(Check, CamerasThatThePathsOfTheImagesContradictAreADoubt) {
+  for (const auto& [name, image] : {std::pair("image_0", "left.png"), std::pair("IMAGE_1", "right.png")}) {
+    std::filesystem::create_directories(folder.path() / name);
+    std::filesystem::copy_file(folder.path() / image, folder.path() / name / "a.png");
+  }
+  const auto said = [&](const std::string& calib, const Words& more) {
+    Words words = {"check", "image_0/a.png", "IMAGE_1/a.png", "--calib", calib};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_flies(folder.path(), words).out;
+  };
+  EXPECT_THAT(said("calib.txt", {"--cameras", "2,3"}),
+              HasSubstr("  - calib.txt: --cameras 2,3 is used, but the paths of the images name the cameras 0 and 1"));
+  EXPECT_THAT(said("calib.txt", {"--cameras", "0,1"}), HasSubstr("looks right"));
+  EXPECT_THAT(said("calib.txt", {}), HasSubstr("looks right"));
+}
+
 TEST_F(Check, AScaledCalibrationIsADoubtUnlessTheUserSaysThatImagesWereResized) {
   write_text(folder.path() / "large.yaml",
              "fx_px: 600\nfy_px: 600\ncx_px: 320.5\ncx_right_px: 320.5\ncy_px: 220.5\nbaseline_m: 0.5\n"

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
-#include "flies/core/pair_check.hpp"
 #include "flies/diagnose/pair_diagnosis.hpp"
 #include "flies/diagnose/pair_watch.hpp"
 #include "flies/draw/row_picture.hpp"
@@ -54,39 +53,46 @@ struct Checked {
   const flies::MountFinding& mount() const { return run.diagnosis.mount; }
 };
 
-/// Why a single pair is refused, as `detect` has it, or else whether it shows things that are too near.
-std::vector<std::string> notes_on_single(const CalibratedRun& run, const flies::NearEnd& near_end) {
-  const auto& [left, right] = run.first();
-  const flies::GrayPair images = run.usable(run.sample.front());
-  try {
-    flies::check_true_pair(images.view(), run.calibration.camera, left, right);
-  } catch (const flies::InputError& fault) {
-    return {fault.what()};
-  }
-  const auto near = flies::note_on_near_things(images.view(), run.calibration.camera, near_end);
-  return near ? std::vector{*near} : std::vector<std::string>{};
-}
+/// What is wrong with single pairs, looked at one by one.
+struct NotesOnPairs {
+  std::vector<std::string> faults;  ///< grave: pairs that are none, cannot be used, repeat or show nothing
+  std::vector<std::string> near;    ///< pairs that show things nearer than is looked at
+};
 
-/// What is wrong with some pairs of a run, those that cannot be used included.
-std::vector<std::string> notes_on_each(const CalibratedRun& run) {
-  const auto& camera = run.calibration.camera;
-  const flies::NearEnd near_end{nearest_range_m(flies::fitted_options(camera, {}))};
+/// Looks at a run of two pairs or more.
+void watch_pairs(const CalibratedRun& run, const flies::NearEnd& near_end, NotesOnPairs& notes) {
   const std::size_t count = std::min(kMostPairs, run.paths.size());
-  if (count < 2) return notes_on_single(run, near_end);
   flies::PairWatch watch;
   std::vector<std::string> faults;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = k * (run.paths.size() - 1) / (count - 1);
     try {
-      watch.look(run.usable(i).view(), camera, run.paths[i].left, near_end);
+      watch.look(run.usable(i).view(), run.calibration.camera, run.paths[i].left, near_end);
     } catch (const flies::InputError& fault) {
       faults.emplace_back(fault.what());
     }
   }
-  auto notes = watch.counts();
+  for (auto& counted : watch.counts()) notes.faults.push_back(std::move(counted));
+  if (watch.has_near_things()) {  // counted last
+    notes.near.push_back(std::move(notes.faults.back()));
+    notes.faults.pop_back();
+  }
   if (!faults.empty())
-    notes.push_back(
+    notes.faults.push_back(
         fmt::format("{} of {} pairs cannot be used; the first error: {}", faults.size(), count, faults.front()));
+}
+
+NotesOnPairs notes_on_each(const CalibratedRun& run) {
+  const auto& camera = run.calibration.camera;
+  const flies::NearEnd near_end{nearest_range_m(flies::fitted_options(camera, {}))};
+  NotesOnPairs notes;
+  if (run.refusal) notes.faults.emplace_back(run.refusal->what());
+  if (run.paths.size() > 1) {
+    watch_pairs(run, near_end, notes);
+  } else if (!run.refusal) {
+    const flies::GrayPair images = run.usable(run.sample.front());
+    if (auto near = flies::note_on_near_things(images.view(), camera, near_end)) notes.near.push_back(*std::move(near));
+  }
   return notes;
 }
 
@@ -139,10 +145,12 @@ Checked check(const CheckArguments& arguments) {
   };
   add(checked.to_check, on_calibration(flies::CalibrationNoteKind::doubt));
   add(checked.to_check, matched.notes);
-  add(checked.to_check, notes_on_each(checked.run));  // which explain the rest
+  const NotesOnPairs on_pairs = notes_on_each(checked.run);
+  add(checked.to_check, on_pairs.faults);  // which explain the rest
   checked.shift = seen_shift(checked.run);
   add(checked.to_check, notes_on_shift(checked));
   add(checked.to_check, checked.run.diagnosis.notes);
+  add(checked.to_check, on_pairs.near);
   add(checked.notes, on_calibration(flies::CalibrationNoteKind::mount));
   add(checked.notes, on_calibration(flies::CalibrationNoteKind::told));
   if (!arguments.picture.empty()) {

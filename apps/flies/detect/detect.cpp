@@ -10,7 +10,6 @@
 #include "detect/detect_outputs.hpp"
 #include "detect/detect_pictures.hpp"
 #include "flies/core/error.hpp"
-#include "flies/core/pair_check.hpp"
 #include "flies/diagnose/pair_watch.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
@@ -151,7 +150,7 @@ void run_detect(const DetectArguments& arguments) {
   ProgressBar progress(prints ? 0 : pairs.size());
   const auto make_pair = [&](std::size_t i) {
     auto images = run.usable(i);
-    flies::check_true_pair(images.view(), camera, pairs[i].left, pairs[i].right);
+    run.require_true_pair(i, images);
     return images;
   };
   ReadAhead<flies::GrayPair> ahead(pairs.size(), make_pair, options.threads != 1);

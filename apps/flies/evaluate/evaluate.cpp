@@ -147,7 +147,7 @@ bool wants_sequence(const EvaluateArguments& arguments, const flies::Dataset& da
   if (!flies::is_followable(dataset))
     throw flies::InputError(arguments.folder, "--sequence",
                             "times and motion of the pairs are not known, expected a KITTI drive with oxts from its "
-                            "first pair on");
+                            "first pair on, or a sequence of flies synth --sequence");
   return true;
 }
 

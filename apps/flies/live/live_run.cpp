@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
-#include "flies/core/pair_check.hpp"
+#include "flies/diagnose/calibrated_pair.hpp"
 #include "shared/end_on_signal.hpp"
 #include "shared/method_arguments.hpp"
 #include "shared/notes.hpp"
@@ -154,7 +154,7 @@ std::string LiveRun::fault_of(const LivePair& pair) {
   for (const auto& note : watch_.look(images, camera, pair.left_name, near_end)) say(note);
   if (!watch_.is_no_pair()) return {};
   try {
-    flies::check_true_pair(images, camera, pair.left_name, pair.right_name);
+    flies::check_calibrated_pair(images, *calibration_, {}, pair.left_name, pair.right_name);
   } catch (const flies::InputError& fault) {
     return fault.what();
   }

@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
-#include "flies/core/pair_check.hpp"
+#include "flies/diagnose/calibrated_pair.hpp"
 #include "flies/io/images.hpp"
+#include "flies/io/mosaic.hpp"
 #include "live/live_run.hpp"
 #include "shared/end_on_signal.hpp"
 #include "shared/method_arguments.hpp"
@@ -70,8 +71,7 @@ void LiveRun::fit_calibration(const flies::StereoFrame& frame) {
   if (!request_.stream.folder.empty())
     if (const auto note = orientation_note({frame.left_name, frame.right_name})) say(*note);
   const flies::RectifiedPair view = frame.images.view();
-  calibration_ = flies::load_calibration(request_.calib,
-                                         calibration_request(request_.camera, frame.left_name, frame.right_name, view));
+  calibration_ = calibration_for(request_.calib, request_.camera, frame.left_name, frame.right_name, view);
   for (const auto& note : calibration_->notes) say(request_.calib + ": " + note.text);
   const flies::GrayPair images =
       calibration_->rectifier ? calibration_->rectifier->rectify(frame.images) : frame.images;
@@ -79,7 +79,8 @@ void LiveRun::fit_calibration(const flies::StereoFrame& frame) {
   flies::check_camera_fits(calibration_->camera, pair.left.width_px, pair.left.height_px, request_.calib);
   calibration_->camera.width_px = pair.left.width_px;
   calibration_->camera.height_px = pair.left.height_px;
-  flies::check_true_pair(pair, calibration_->camera, frame.left_name, frame.right_name);
+  flies::check_calibrated_pair(
+      pair, *calibration_, [&] { return frame.images; }, frame.left_name, frame.right_name);
 }
 
 /// Reads what it takes to know calibration and rows.

@@ -1,5 +1,8 @@
 #include "shared/camera_arguments.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -100,6 +103,31 @@ flies::CalibrationRequest calibration_request(const CameraArguments& arguments, 
   if (const auto named = flies::kitti_cameras_from_paths(left_path, right_path)) request.default_cameras = *named;
   flies::ask_for_images(request, images);
   return request;
+}
+
+namespace {
+
+/// Where the cameras that are asked for are not those that the paths of the images name.
+std::optional<flies::CalibrationNote> doubt_on_cameras(const CameraArguments& arguments, const std::string& format,
+                                                       const std::string& left_path, const std::string& right_path) {
+  if (arguments.cameras.empty() || !format.starts_with("KITTI")) return std::nullopt;
+  const auto in_paths = flies::kitti_cameras_from_paths(left_path, right_path);
+  if (!in_paths || std::ranges::equal(*in_paths, arguments.cameras)) return std::nullopt;
+  return flies::CalibrationNote{
+      fmt::format("--cameras {},{} is used, but the paths of the images name the cameras {} and {}: if the images are "
+                  "of these, ranges are wrong; leave --cameras out",
+                  arguments.cameras[0], arguments.cameras[1], (*in_paths)[0], (*in_paths)[1])};
+}
+
+}  // namespace
+
+flies::Calibration calibration_for(const std::string& calib, const CameraArguments& arguments,
+                                   const std::string& left_path, const std::string& right_path,
+                                   const flies::RectifiedPair& images) {
+  auto calibration = flies::load_calibration(calib, calibration_request(arguments, left_path, right_path, images));
+  if (auto doubt = doubt_on_cameras(arguments, calibration.format, left_path, right_path))
+    calibration.notes.push_back(*std::move(doubt));
+  return calibration;
 }
 
 std::vector<std::string> named(const std::string& file, std::vector<std::string> notes) {

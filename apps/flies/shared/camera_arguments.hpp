@@ -54,5 +54,11 @@ flies::CalibrationRequest calibration_request(const CameraArguments& arguments);
 flies::CalibrationRequest calibration_request(const CameraArguments& arguments, const std::string& left_path,
                                               const std::string& right_path, const flies::RectifiedPair& images);
 
+/// Reads it.
+/// @throws flies::InputError as `flies::load_calibration` does
+flies::Calibration calibration_for(const std::string& calib, const CameraArguments& arguments,
+                                   const std::string& left_path, const std::string& right_path,
+                                   const flies::RectifiedPair& images);
+
 /// Sentences on a file, each with its name before it.
 std::vector<std::string> named(const std::string& file, std::vector<std::string> notes);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/diagnose/calibrated_pair.hpp"
 #include "flies/io/images.hpp"
 #include "shared/camera_arguments.hpp"
 
@@ -96,6 +97,7 @@ RunDiagnosis diagnose_read(std::vector<SampledPair> sample, flies::Calibration& 
   }
   auto run = diagnose_sample(std::move(usable), calibration, corrections);
   run.notes.insert(run.notes.begin(), notes.begin(), notes.end());
+  run.notes_on_sight += notes.size();
   return run;
 }
 
@@ -119,6 +121,41 @@ flies::MountFinding mount_of(const std::vector<flies::GrayPair>& sample, const f
   std::vector<flies::RectifiedPair> views;
   for (const auto& images : sample) views.push_back(images.view());
   return flies::find_mount(views, camera);
+}
+
+std::string correction_note(const flies::RowError& rows) {
+  return fmt::format(
+      "rows of the right image lie {:+.1f} px lower than those of the left one ({:+.1f} and {:+.1f} px at the sides): "
+      "this is corrected; calibrate again, or switch it off with --self-rectify off",
+      rows.offset_px, rows.at(0.0), rows.at(2.0 * rows.middle_u_px));
+}
+
+/// Those of the diagnosis, the gravest first: what is seen badly, how images and calibration go together, where the
+/// ground lies.
+void add_notes(RunDiagnosis& run) {
+  const auto add = [&](std::vector<std::string> more) {
+    run.notes.insert(run.notes.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  };
+  add(flies::complaints_on_sight(run.diagnosis));
+  run.notes_on_sight = run.notes.size();
+  if (run.correction) add({correction_note(*run.correction)});
+  add(flies::complaints_on_fit(run.diagnosis));
+  if (auto note = flies::mount_note(run.mount)) add({*std::move(note)});
+  add(flies::complaints_on_ground(run.diagnosis));
+}
+
+/// Why none of the sample is a true pair: of the first.
+std::optional<flies::InputError> refusal_of(const CalibratedRun& run) {
+  std::optional<flies::InputError> refusal;
+  for (const std::size_t i : run.sample) {
+    try {
+      run.require_true_pair(i, run.usable(i));
+      return std::nullopt;
+    } catch (const flies::InputError& error) {
+      if (!refusal) refusal = error;
+    }
+  }
+  return refusal;
 }
 
 /// Whether the ground is where the mount says: asked of a mount that is to be used as given only where no road was
@@ -185,10 +222,6 @@ RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibra
   run.diagnosis = diagnose_now();
   if (is_to_be_corrected(run.diagnosis, corrections.self_rectify)) {
     run.correction = run.diagnosis.rows;
-    run.notes.push_back(fmt::format(
-        "rows of the right image lie {:+.1f} px lower than those of the left one ({:+.1f} and {:+.1f} px at the "
-        "sides): this is corrected; calibrate again, or switch it off with --self-rectify off",
-        run.correction->offset_px, run.correction->at(0.0), run.correction->at(2.0 * run.correction->middle_u_px)));
     for (auto& images : sample) run.correct(images);
     run.diagnosis = diagnose_now();
   }
@@ -196,13 +229,12 @@ RunDiagnosis diagnose_sample(std::vector<flies::GrayPair> sample, flies::Calibra
     run.mount = mount_of(sample, calibration.camera);
     calibration.camera.mount = run.mount.mount;
     if (run.mount.is_replaced) run.diagnosis = diagnose_now();
-    if (const auto note = flies::mount_note(run.mount)) run.notes.push_back(*note);
   }
   run.road_is_found = run.diagnosis.road_found;
   run.diagnosis.road_found = run.road_is_found || run.mount.is_replaced || run.mount.is_confirmed ||
                              (!corrections.find_mount && is_mount_confirmed(run, sample, calibration));
   if (run.mount.is_upside_down) run.diagnosis.nearer_above.reset();  // told by the note on the mount
-  for (auto& complaint : flies::complaints(run.diagnosis)) run.notes.push_back(std::move(complaint));
+  add_notes(run);
   return run;
 }
 
@@ -211,6 +243,11 @@ flies::GrayPair CalibratedRun::usable(std::size_t pair) const {
   check_size(calibration.camera, images, paths[pair].left);
   diagnosis.correct(images);
   return images;
+}
+
+void CalibratedRun::require_true_pair(std::size_t pair, const flies::GrayPair& images) const {
+  flies::check_calibrated_pair(
+      images.view(), calibration, [&] { return load(pair); }, paths[pair].left, paths[pair].right);
 }
 
 std::vector<std::string> CalibratedRun::notes(const std::string& calib) const {
@@ -225,8 +262,12 @@ CalibratedRun calibrate_run(std::vector<flies::PairPaths> paths, LoadPair load, 
   auto sample = read_sample(paths.size(), load, fault);
   if (sample.empty()) throw flies::InputError(*fault);
   keep_commonest_size(sample);
-  CalibratedRun run{
-      .paths = std::move(paths), .load = std::move(load), .sample = {}, .calibration = {}, .diagnosis = {}};
+  CalibratedRun run{.paths = std::move(paths),
+                    .load = std::move(load),
+                    .sample = {},
+                    .calibration = {},
+                    .diagnosis = {},
+                    .refusal = {}};
   for (const auto& pair : sample) run.sample.push_back(pair.index);
   run.calibration = calibrate(run.first(), sample.front().images.view());
   const auto images = rectified(run.calibration, sample.front().images);
@@ -234,5 +275,7 @@ CalibratedRun calibrate_run(std::vector<flies::PairPaths> paths, LoadPair load, 
   run.calibration.camera.width_px = images.left.width_px;
   run.calibration.camera.height_px = images.left.height_px;
   run.diagnosis = diagnose_read(std::move(sample), run.calibration, corrections);
+  run.refusal = refusal_of(run);
+  if (run.refusal) run.diagnosis.notes.resize(run.diagnosis.notes_on_sight);  // from which the others follow
   return run;
 }

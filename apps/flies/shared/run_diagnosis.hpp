@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "flies/core/error.hpp"
 #include "flies/diagnose/pair_diagnosis.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/images.hpp"
@@ -43,7 +44,8 @@ struct RunDiagnosis {
   std::optional<flies::RowError> correction;  ///< what every pair's rows are corrected by
   flies::MountFinding mount;                  ///< how the camera is mounted
   bool road_is_found = false;                 ///< by the options of the run, as its results have it in some pair
-  std::vector<std::string> notes;             ///< sentences for the user
+  std::vector<std::string> notes;             ///< sentences for the user, the gravest first
+  std::size_t notes_on_sight = 0;             ///< the first ones: on files and on what is seen badly in them
 
   void correct(flies::GrayPair& pair) const {
     if (correction) flies::correct_rows(*correction, pair);
@@ -74,11 +76,18 @@ struct CalibratedRun {
   std::vector<std::size_t> sample;  ///< readable pairs of the size that most of up to five have, in order; at least one
   flies::Calibration calibration;   ///< for that size, with the mount that is to be used
   RunDiagnosis diagnosis;
+  /// Why the first pair of the sample is none, where no other one is a true pair either; the diagnosis has no notes
+  /// then that follow from it.
+  std::optional<flies::InputError> refusal;
 
   const flies::PairPaths& first() const { return paths[sample.front()]; }
 
   /// A pair as the method wants it. @throws flies::InputError when it cannot be used
   flies::GrayPair usable(std::size_t pair) const;
+
+  /// @param images of that pair, as `usable` gave them
+  /// @throws flies::InputError when they are no pair, and why
+  void require_true_pair(std::size_t pair, const flies::GrayPair& images) const;
 
   /// Sentences for the user, each with its file before it: of the calibration `calib`, and on the images.
   std::vector<std::string> notes(const std::string& calib) const;

@@ -11,7 +11,7 @@
 
 #include "channels/recording.hpp"
 #include "flies/core/error.hpp"
-#include "flies/core/pair_check.hpp"
+#include "flies/diagnose/calibrated_pair.hpp"
 #include "flies/diagnose/pair_watch.hpp"
 #include "flies/draw/track_view.hpp"
 #include "flies/ego/shift_watch.hpp"
@@ -118,20 +118,6 @@ flies::Calibration calibration_of(const TrackArguments& arguments, const Sequenc
   return flies::load_calibration(source.calib, calibration_request(arguments.camera, pair.left, pair.right, images));
 }
 
-/// @throws flies::InputError of the first pair when none of those that were looked at shows one scene twice
-void require_a_true_pair(const CalibratedRun& run) {
-  std::optional<flies::InputError> fault;
-  for (const std::size_t i : run.sample) {
-    try {
-      flies::check_true_pair(run.usable(i).view(), run.calibration.camera, run.paths[i].left, run.paths[i].right);
-      return;
-    } catch (const flies::InputError& error) {
-      if (!fault) fault = error;
-    }
-  }
-  throw flies::InputError(*fault);
-}
-
 void run_track(TrackArguments arguments) {
   OutputClaims claims = check_outputs(arguments);
   const flies::DetectorOptions unfitted = effective_options(arguments.method);
@@ -166,7 +152,7 @@ void run_track(TrackArguments arguments) {
   say_notes(source.notes);
   say_notes(run.notes(source.calib));
   say_run(*run_of);
-  require_a_true_pair(run);
+  if (run.refusal) throw flies::InputError(*run.refusal);
 
   TrackOutputFiles outputs(arguments);
   ProgressBar progress(outputs.use_the_terminal() ? 0 : source.pairs.size());
@@ -190,7 +176,7 @@ void run_track(TrackArguments arguments) {
     try {
       images = ahead.next();
       say_notes(watch.look(images.view(), camera, frame.left, {nearest_range_m(options), arguments.method.preset}));
-      if (watch.is_no_pair()) flies::check_true_pair(images.view(), camera, frame.left, frame.right);
+      if (watch.is_no_pair()) flies::check_calibrated_pair(images.view(), run.calibration, {}, frame.left, frame.right);
       frame.tracking = tracker.process(images.view(), source.times_s[i]);
       shift_watch.look(frame.tracking.ego);
       if (const auto note = shift_watch.first_note(camera); !note.empty()) say_notes({note});

@@ -154,23 +154,33 @@ double nearness_px(std::vector<double> disparities_px) {
   return disparities_px.size() < kFewest ? 0.0 : quantile(std::move(disparities_px), 0.8);
 }
 
-bool is_another_scene(const PairEvidence& evidence) {
-  // Matches by chance fall on both sides of infinity alike and cancel; those of a pair, swapped or not, do not.
-  const int consistent = std::abs(evidence.nearer - evidence.beyond) + evidence.distant;
-  return evidence.patches >= kMinPatches && consistent < kMinConsistent * evidence.patches;
-}
-
 bool is_swapped(const PairEvidence& evidence) {
   const int votes = evidence.nearer + evidence.beyond;
   return votes >= kMinVotes && evidence.beyond >= kSwappedShare * votes;
 }
 
-void check_same_scene(const PairEvidence& evidence, const std::string& left_name, const std::string& right_name) {
+bool is_another_scene(const PairEvidence& evidence) {
+  if (evidence.patches < kMinPatches) return false;
+  const double fewest = kMinConsistent * evidence.patches;
+  // Matches by chance fall on both sides of infinity alike and cancel; those of a pair, swapped or not, do not.
+  const bool is_by_chance = std::abs(evidence.nearer - evidence.beyond) + evidence.distant < fewest;
+  // Too few beyond infinity to be swapped, and hardly any before it: by chance all the same.
+  const bool is_nothing = evidence.nearer + evidence.distant < fewest && !is_swapped(evidence);
+  return is_by_chance || is_nothing;
+}
+
+void check_same_scene(const PairEvidence& evidence, const std::string& left_name, const std::string& right_name,
+                      RectifiedBy by) {
   if (!is_another_scene(evidence)) return;
-  throw InputError(right_name, "",
-                   fmt::format("not a pair with {}: hardly any place of the left image is found on the same row of the "
-                               "right one (another scene, or not rectified)",
-                               left_name));
+  const bool is_by_calibration = by == RectifiedBy::calibration;
+  throw InputError(
+      right_name, "",
+      fmt::format("not a pair with {}: {}hardly any place of the left image is found on the same row of "
+                  "the right one ({})",
+                  left_name, is_by_calibration ? "rectified with the calibration, " : "",
+                  is_by_calibration ? "another scene or moment, the calibration of other cameras or sizes, left and "
+                                      "right swapped in images or calibration, or images that are rectified already"
+                                    : "another scene, or not rectified"));
 }
 
 void check_order(const PairEvidence& evidence, const std::string& left_name, const std::string& right_name) {
@@ -275,6 +285,10 @@ EvidenceOfRows around_infinity(const RectifiedPair& pair, const StereoCamera& ca
 
 }  // namespace
 
+double PairEvidence::matched_share() const {
+  return patches == 0 ? 0.0 : static_cast<double>(nearer + distant) / patches;
+}
+
 PairEvidence gather_pair_evidence(const RectifiedPair& pair, const StereoCamera& camera) {
   EvidenceOfRows rows = around_infinity(pair, camera);
   for (int row = 0; row < kGridRows; ++row) rows.add_row(row);
@@ -333,14 +347,15 @@ std::vector<bool> parts_nearer_than(const RectifiedPair& pair, const std::functi
 }
 
 void check_true_pair(const RectifiedPair& pair, const StereoCamera& camera, const std::string& left_name,
-                     const std::string& right_name) {
+                     const std::string& right_name, RectifiedBy by) {
   const auto evidence = gather_pair_evidence(pair, camera);
-  check_same_scene(evidence, left_name, right_name);
+  check_same_scene(evidence, left_name, right_name, by);
   check_order(evidence, left_name, right_name);
 }
 
 void check_not_swapped(const RectifiedPair& pair, const StereoCamera& camera, const std::string& left_name,
                        const std::string& right_name) {
+  if (order_of_pair(pair, camera) != PairOrder::swapped) return;  // which takes less time
   check_order(gather_pair_evidence(pair, camera), left_name, right_name);
 }
 

@@ -20,16 +20,25 @@ struct PairEvidence {
   /// How near the nearer places are (80th percentile of the disparity, infinity being 0) in the upper and in the lower
   /// third of the left image; 0 where fewer than ten were found.
   double upper_px = 0.0, lower_px = 0.0;
+
+  /// Of the patches, those found on their row at or before infinity; 0.32 and more in good pairs of streets.
+  double matched_share() const;
 };
 
 /// Takes a few milliseconds whatever the size of the images (they are reduced to about 600 columns).
 /// @param pair both images of one size, at least 64 x 48 px
 PairEvidence gather_pair_evidence(const RectifiedPair& pair, const StereoCamera& camera);
 
+/// Who rectified a pair: what to doubt where hardly anything is found on its row.
+enum class RectifiedBy {
+  others,       ///< the images came as they are
+  calibration,  ///< they came raw and were rectified with the calibration that is checked with them
+};
+
 /// Checks that the images are two views of one scene, rectified, left and right in place. Scenes without texture pass.
 /// @throws InputError naming both images: not a pair, or swapped
 void check_true_pair(const RectifiedPair& pair, const StereoCamera& camera, const std::string& left_name,
-                     const std::string& right_name);
+                     const std::string& right_name, RectifiedBy by = RectifiedBy::others);
 
 /// How two images go together.
 enum class PairOrder {

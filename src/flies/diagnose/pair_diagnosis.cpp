@@ -178,6 +178,9 @@ std::optional<std::string> told_combing(const PairDiagnosis& d) {
                     : "the right image");
 }
 
+/// Nothing can be said of where places are found.
+bool shows_nothing(const PairDiagnosis& d) { return d.textured_share < kNothingTextured || d.is_flat(); }
+
 void add_what_is_seen_badly(const PairDiagnosis& d, std::vector<std::string>& found) {
   if (auto combing = told_combing(d)) found.push_back(*std::move(combing));
   if (d.left_steps.is_blurred() && d.right_steps.is_blurred())
@@ -198,9 +201,7 @@ void add_what_is_seen_badly(const PairDiagnosis& d, std::vector<std::string>& fo
 
 }  // namespace
 
-double PairDiagnosis::matched_share() const {
-  return evidence.patches == 0 ? 0.0 : static_cast<double>(evidence.nearer + evidence.distant) / evidence.patches;
-}
+double PairDiagnosis::matched_share() const { return evidence.matched_share(); }
 
 double PairDiagnosis::beyond_share() const {
   const int found = evidence.nearer + evidence.distant + evidence.beyond;
@@ -282,41 +283,56 @@ bool can_be_made_up_for(const RowError& rows) {
   return rows.largest_px() <= kRowErrorOfARig_px * std::max(1.0, 2.0 * rows.middle_u_px / kColumns_px);
 }
 
-std::vector<std::string> complaints(const PairDiagnosis& d) {
-  std::vector<std::string> found;
-  if (d.textured_share < kNothingTextured) {
-    found.push_back(
+std::vector<std::string> complaints_on_sight(const PairDiagnosis& d) {
+  if (d.textured_share < kNothingTextured)
+    return {
         fmt::format("there is nothing to match in {:.0f} % of the left image, so nothing seen does not mean "
                     "that nothing is there: {}",
-                    100.0 * (1.0 - d.textured_share), what_hides(d)));
-    return found;  // all else follows from that
-  }
-  if (d.is_flat()) {
-    found.push_back(
+                    100.0 * (1.0 - d.textured_share), what_hides(d))};
+  if (d.is_flat())
+    return {
         "everything that is found in both images lies at infinity: are they the same picture twice, or both of one "
-        "camera, or is everything that far away?");
-    return found;
-  }
+        "camera, or is everything that far away?"};
+  std::vector<std::string> found;
+  add_what_is_seen_badly(d, found);
+  return found;
+}
+
+std::vector<std::string> complaints_on_fit(const PairDiagnosis& d) {
+  if (shows_nothing(d)) return {};
+  std::vector<std::string> found;
   const auto add = [&](std::optional<std::string> complaint) {
     if (complaint) found.push_back(*std::move(complaint));
   };
-  add_what_is_seen_badly(d, found);
   const bool are_places_graver = has_few_matched(d) || has_many_beyond(d);
   if (are_places_graver) add(told_places(d));
   if (!is_swapped(d)) add(told_rows(d));
   if (!are_places_graver) add(told_places(d));
-  if (d.nearer_above.value_or(0.0) > kNearerAbove && !d.road_found && d.can_be_trusted())
+  return found;
+}
+
+std::vector<std::string> complaints_on_ground(const PairDiagnosis& d) {
+  if (shows_nothing(d) || d.road_found) return {};
+  std::vector<std::string> found;
+  if (d.nearer_above.value_or(0.0) > kNearerAbove && d.can_be_trusted())
     found.push_back(
         fmt::format("places in the upper third of the images are {:.1f} times as near as those in the lower third: are "
                     "these tree tops, a ceiling or a bridge, and the ground far below? If not, the images are upside "
                     "down: turn both by 180 degrees and give the right one as the left",
                     *d.nearer_above));
-  if (!d.road_found && !is_explained(d))
+  if (!is_explained(d))
     found.push_back(
         "no road was found where the mount of the camera says it is: heights and obstacles may be wrong; check "
         "--camera-height and --camera-pitch, the calibration and the unit of its baseline, and that both images were "
         "taken at the same moment");
   return found;
+}
+
+std::vector<std::string> complaints(const PairDiagnosis& d) {
+  std::vector<std::string> all = complaints_on_sight(d);
+  for (const auto& more : {complaints_on_fit(d), complaints_on_ground(d)})
+    all.insert(all.end(), more.begin(), more.end());
+  return all;
 }
 
 }  // namespace flies

@@ -54,10 +54,16 @@ PairDiagnosis diagnose_pair(const RectifiedPair& pair, const StereoCamera& camer
 /// are a fault of their own (`PairWatch`).
 PairDiagnosis diagnose_run(const std::vector<PairDiagnosis>& pairs);
 
-/// What is not as it should be, one sentence each with what to check; empty when all looks right. First what is seen
-/// badly, then where its rows lie and what is found of it, the graver of both first; what follows from a sentence
-/// before is left out.
+/// What is not as it should be, one sentence each with what to check; empty when all looks right. These three in their
+/// order, the gravest first; what follows from a sentence before is left out.
 std::vector<std::string> complaints(const PairDiagnosis& diagnosis);
+
+/// What is seen badly.
+std::vector<std::string> complaints_on_sight(const PairDiagnosis& diagnosis);
+/// That images and calibration do not go together: where rows lie and what is found on them, the graver of both first.
+std::vector<std::string> complaints_on_fit(const PairDiagnosis& diagnosis);
+/// That the ground is not where the mount of the camera says.
+std::vector<std::string> complaints_on_ground(const PairDiagnosis& diagnosis);
 
 /// Row errors of this size cost obstacles; smaller ones do no harm. Pixels, `RowError::typical_px`.
 inline constexpr double kRowErrorMatters_px = 0.5;

@@ -12,7 +12,7 @@
 
 namespace flies {
 
-/// What can go wrong with some pairs of a run.
+/// What can go wrong with some pairs of a run, the gravest first.
 enum class PairTrouble {
   left_blank,     ///< nothing to match in the left image: dark, white, covered
   right_blank,    ///< the same of the right one
@@ -50,7 +50,10 @@ class PairWatch {
   /// refuses it and says more; what is found in it stands nowhere.
   bool is_no_pair() const { return is_no_pair_; }
 
-  /// A sentence for each kind of trouble with the pairs that have it and the first of them; empty when all are well.
+  bool has_near_things() const { return met_.back().pairs > 0; }
+
+  /// A sentence for each kind of trouble with the pairs that have it and the first of them, in the order of
+  /// `PairTrouble`; empty when all are well.
   std::vector<std::string> counts() const;
 
  private:

@@ -46,6 +46,7 @@ TEST(PairWatch, IsSilentOnAGoodRun) {
   PairWatch watch;
   for (int i = 0; i < 4; ++i) EXPECT_THAT(look(watch, with_own_left(pair_number(i), i)), IsEmpty());
   EXPECT_THAT(watch.counts(), IsEmpty());
+  EXPECT_FALSE(watch.has_near_things());
 }
 
 TEST(PairWatch, TellsABlankImageOnceAndCounts) {

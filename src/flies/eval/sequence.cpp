@@ -34,7 +34,7 @@ SequenceResult evaluate_sequence(const Dataset& dataset, std::size_t first, std:
                                  const std::function<void(std::size_t)>& progress) {
   if (!is_followable(dataset))
     throw InputError("truth", "times and motions of the pairs",
-                     "not known, expected a KITTI drive with oxts or a drawn sequence");
+                     "not known, expected a KITTI drive with oxts from its first pair on, or a drawn sequence");
   SequenceResult result;
   std::optional<Tracker> tracker;
   std::optional<Detector> single;

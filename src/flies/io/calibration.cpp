@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/core/plausible.hpp"
 #include "flies/io/calibration_formats.hpp"
 #include "flies/io/formats/cross_checks.hpp"
@@ -238,7 +239,7 @@ void shift_disparities(const CalibrationRequest& request, Calibration& calibrati
 std::optional<int> kitti_camera_of(const std::string& path) {
   std::optional<int> camera;
   for (const auto& part : std::filesystem::path(path)) {
-    std::string name = part.string();
+    std::string name = detail::in_small_letters(part.string());
     if (!name.starts_with("image_")) continue;
     name.erase(0, 6);
     std::size_t digits = 0;

@@ -298,6 +298,7 @@ TEST(KittiCamerasFromPaths, ReadsFolderNames) {
             (Cameras{0, 1}));
   EXPECT_EQ(kitti_cameras_from_paths("training/image_2", "training/image_3/"), (Cameras{2, 3}));
   EXPECT_EQ(kitti_cameras_from_paths("image_1", "image_0"), (Cameras{1, 0}));
+  EXPECT_EQ(kitti_cameras_from_paths("IMAGE_00/a.png", "Image_01/a.png"), (Cameras{0, 1}));
   EXPECT_EQ(kitti_cameras_from_paths("left.png", "image_1/x.png"), std::nullopt);
   EXPECT_EQ(kitti_cameras_from_paths("image_00000004_0.png", "image_00000004_1.png"), std::nullopt);
   EXPECT_EQ(kitti_cameras_from_paths("s/image_2/a.png", "s/image_2/b.png"), std::nullopt);

@@ -84,6 +84,20 @@ TEST(CheckTruePair, NamesUnrelatedImages) {
               HasSubstr("r.png: not a pair with l.png"));
 }
 
+TEST(CheckTruePair, NamesImagesOfWhichNothingIsFoundButAFewPlacesBeyondInfinity) {
+  const auto left = blocks(1, 0), moved = blocks(1, -20);
+  auto other = blocks(2, 0);
+  for (int v = 0; v < kHeight_px / 2; ++v)
+    std::copy_n(moved.pixels.begin() + v * kWidth_px + 200, 130, other.pixels.begin() + v * kWidth_px + 200);
+  const RectifiedPair pair{left.view(), other.view()};
+  const auto evidence = gather_pair_evidence(pair, kCamera);
+  EXPECT_GT(evidence.beyond, 0.05 * evidence.patches);
+  EXPECT_LT(evidence.beyond + evidence.nearer, 12) << "too few to say that they are swapped";
+  EXPECT_THAT(error_of([&] { check_true_pair(pair, kCamera, "l.png", "r.png"); }),
+              HasSubstr("r.png: not a pair with l.png"));
+  EXPECT_EQ(order_of_pair(pair, kCamera), PairOrder::unrelated);
+}
+
 TEST(CheckTruePair, DoesNotJudgeScenesWithoutTexture) {
   const GrayImage gray{kWidth_px, kHeight_px, std::vector<std::uint8_t>(kWidth_px * kHeight_px, 90)};
   EXPECT_NO_THROW(check_true_pair({gray.view(), gray.view()}, kCamera, "l", "r"));

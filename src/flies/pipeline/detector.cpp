@@ -109,7 +109,9 @@ Detection Detector::process(const RectifiedPair& given, const MotionSource& moti
   check_camera_fits(camera_, pair.left.width_px, pair.left.height_px, "camera");
   if (detail::is_one_image_twice(pair))
     throw InputError("right image", "pixels", "not a pair: it is identical to the left image");
-  if (frame_ == 0) check_not_swapped(pair, camera_, "left image", "right image");
+  // Refused pairs do not count: after one that is swapped, every pair is asked until one is not.
+  constexpr std::uint32_t kAskedEvery = 32;
+  if (frame_ % kAskedEvery == 0) check_not_swapped(pair, camera_, "left image", "right image");
   auto detection = workers_->arena.execute([&] { return detect(pair, motion); });
   last_obstacles_ = detection.concentrate.obstacles;
   last_pedestrians_ = detection.pedestrians;

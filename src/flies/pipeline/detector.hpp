@@ -149,7 +149,7 @@ class Detector {
                     std::shared_ptr<const PeopleClassifier> classifier = default_people_classifier());
 
   /// @param pair of the size the camera was calibrated for
-  /// @throws InputError when images are empty, one twice, swapped (first pair), differ in size or do not fit the camera
+  /// @throws InputError when images are empty, one twice, swapped (every 32nd pair is asked), or of the wrong size
   /// @param motion of the camera since the last pair that was not refused, where that is known: what was seen then
   ///               counts on
   Detection process(const RectifiedPair& pair, const std::optional<PlanarMotion>& motion = std::nullopt);
