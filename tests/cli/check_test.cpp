@@ -482,7 +482,9 @@ TEST(CheckADrawnSequence, TellsCamerasThatAreTurnedAgainstEachOther) {
     Words words = {"track", "drive", "--json", "-"};
     words.insert(words.end(), camera.begin(), camera.end());
     const RunResult run = run_flies(folder.path(), words);
-    if (is_silent) EXPECT_THAT(run.err, Not(HasSubstr("by how corners move")));
+    if (is_silent) {
+      EXPECT_THAT(run.err, Not(HasSubstr("by how corners move")));
+    }
     return json::parse(lines(run.out).back()).at("tracks");
   };
   const json as_drawn = tracks_of({"--calib", "drive/calib.yaml"}, true);

@@ -198,7 +198,7 @@ TEST(DiagnosePair, ToldIsThatFewPlacesAreFound) {
   GrayPair pair = textured_pair(8.0, 0.0, 0.0);
   const GrayPair other = textured_pair(8.0, 60.0, 0.0);
   pair.right = other.right;
-  EXPECT_THAT(complaints_of(pair, camera()), Contains(HasSubstr("found on their row")));
+  EXPECT_THAT(complaints_of(pair, camera()), Contains(HasSubstr("are found on the same row")));
 }
 
 TEST(DiagnoseRun, AddsUpWhatItsPairsSay) {

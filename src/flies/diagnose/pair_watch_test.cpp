@@ -88,7 +88,7 @@ TEST(PairWatch, TellsWhichImageRepeats) {
   look(of_left, first);
   EXPECT_THAT(look(of_left, right_alone), ElementsAre(HasSubstr("does the left camera hang")));
   look(of_both, first);
-  EXPECT_THAT(look(of_both, first), ElementsAre(HasSubstr("both images are those of the pair before")));
+  EXPECT_THAT(look(of_both, first), ElementsAre(HasSubstr("both images are identical to those of the previous pair")));
   EXPECT_THAT(of_both.counts(), ElementsAre(HasSubstr("1 of 2 pairs: both images are those of the previous pair")));
 }
 

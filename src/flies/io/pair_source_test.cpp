@@ -166,8 +166,8 @@ TEST(MatchPairs, StampsTellMoreThanCountersOfWhatWasSaved) {
   const auto found = match_pairs(folders.left(), folders.right(), PairBy::automatic);
   EXPECT_THAT(names_of(found), ElementsAre("0000_83011.png 0000_83013.png", "0001_83211.png 0002_83213.png",
                                            "0003_83411.png 0003_83413.png", "0004_83511.png 0004_83513.png"));
-  EXPECT_THAT(found.notes,
-              ElementsAre(AllOf(HasSubstr("each with the nearest"), HasSubstr("+2"), HasSubstr("of 100"))));
+  EXPECT_THAT(found.notes, ElementsAre(AllOf(HasSubstr("each with the nearest"), HasSubstr("+2"),
+                                             HasSubstr("and 100 from image to image"))));
 }
 
 TEST(MatchPairs, CountersThatDifferByAConstantTellOfALostImage) {
@@ -247,14 +247,15 @@ TEST(MatchPairs, TellsWhenTheTimesOfPairsAreFarApart) {
     return match_pairs(folders.left(), folders.right(), PairBy::automatic).notes;
   };
   EXPECT_THAT(notes_at(4), IsEmpty());
-  EXPECT_THAT(notes_at(30), ElementsAre(AllOf(HasSubstr("+30 ms after"), HasSubstr("of 100 ms"))));
+  EXPECT_THAT(notes_at(30), ElementsAre(AllOf(HasSubstr("+30 ms after"), HasSubstr("while 100 ms pass"))));
   EXPECT_THAT(notes_at(70), ElementsAre(HasSubstr("-30 ms after"))) << "the nearest is of the shot before";
 }
 
 TEST(MatchPairs, RefusesNamesThatAreNoTimesOrHaveNoPartner) {
   const Folders folders;
   folders.add("a.png", "b.png");
-  EXPECT_THAT(error_of([&] { match_pairs(folders.left(), folders.right(), PairBy::time); }), HasSubstr("is no time"));
+  EXPECT_THAT(error_of([&] { match_pairs(folders.left(), folders.right(), PairBy::time); }),
+              HasSubstr("is not a time"));
   EXPECT_THAT(error_of([&] { match_pairs(folders.left(), folders.right(), PairBy::name); }), HasSubstr("no partner"));
   EXPECT_EQ(match_pairs(folders.left(), folders.right(), PairBy::automatic).pairs.size(), 1U);
 }

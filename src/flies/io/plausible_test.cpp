@@ -188,7 +188,7 @@ TEST(LoadCalibration, RefusesImagesOfAnotherShapeThanKittis) {
   request.height_px = 320;
   EXPECT_THAT(error_of([&] { load_calibration(file, request); }),
               ::testing::AllOf(HasSubstr("1242 x 375 px, not of 1024 x 320 px"),
-                               HasSubstr("0.824 across and 0.853 down"), HasSubstr("--calib-size")));
+                               HasSubstr("0.824 horizontally and 0.853 vertically"), HasSubstr("--calib-size")));
   request.calibrated_width_px = 1024;
   request.calibrated_height_px = 320;
   EXPECT_EQ(load_calibration(file, request).camera.fx_px, 721.5377);
@@ -212,11 +212,13 @@ TEST(LoadCalibration, ScalesAcrossAndDownWhereImagesAreSaidToBeResized) {
     EXPECT_NEAR(resized.camera.fy_px, 721.5377 * 320 / 375, 1e-6);
     EXPECT_NEAR(resized.camera.cy_px, 173.354 * 320 / 375 - 0.5, 1e-6);
     EXPECT_EQ(resized.camera.height_px, 320);
-    EXPECT_THAT(texts(resized.notes), ::testing::Contains(HasSubstr("scaled by 0.8245 across and 0.8533 down")));
+    EXPECT_THAT(texts(resized.notes),
+                ::testing::Contains(HasSubstr("scaled by 0.8245 horizontally and 0.8533 vertically")));
   }
   const auto unsized =
       folder.write("own.txt", "P0: 700 0 500 0 0 700 170 0 0 0 1 0\nP1: 700 0 500 -350 0 700 170 0 0 0 1 0\n");
-  EXPECT_THAT(error_of([&] { load_calibration(unsized, request); }), HasSubstr("what the images were resized from"));
+  EXPECT_THAT(error_of([&] { load_calibration(unsized, request); }),
+              HasSubstr("the size that the images were resized from"));
   request.calibrated_width_px = 1000;
   request.calibrated_height_px = 340;
   EXPECT_NEAR(load_calibration(unsized, request).camera.fx_px, 700.0 * 1024 / 1000, 1e-6);
@@ -301,7 +303,7 @@ TEST(OneScale, FitsHalvesOfOddSizesBothWays) {
   EXPECT_TRUE(one_scale(311, 94, 1242, 375));
   EXPECT_FALSE(one_scale(621, 186, 1242, 375));
   EXPECT_FALSE(one_scale(621, 187, 1242, 376));  // exactly 188
-  EXPECT_FALSE(one_scale(1216, 368, 1242, 375));
+  EXPECT_FALSE(one_scale(1248, 384, 1242, 375));
 }
 
 TEST(ScaledCamera, KeepsThePixelsUnderTheirRays) {

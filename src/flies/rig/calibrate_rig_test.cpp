@@ -216,7 +216,7 @@ TEST(CalibrateRig, RefusesViewsThatDoNotTellTheFocalLength) {
     for (auto* board : {&pair.left, &pair.right})
       for (auto& corner : board->corners) corner.u_px += noise_px(random), corner.v_px += noise_px(random);
   EXPECT_THAT(error_of([&] { calibrate_rig(tools(), kChess, pairs, kWidth_px, kHeight_px, Lens::brown); }),
-              HasSubstr("aslant"));
+              HasSubstr("tilt the board"));
 }
 
 TEST(CalibrateRig, PairsOfOpenCvRectifyToAThirdOfAPixel) {

@@ -52,8 +52,8 @@ TEST(ChooseMode, NamesTheOthersWhereRangesWouldDiffer) {
   const auto notes = texts(choose_mode(kModes, for_images(960, 540), "calib").notes);
   // 670 / 1280 over 1370 / 1920, and 1370 / 2208 over it
   EXPECT_THAT(notes, Contains(AllOf(HasSubstr("from the mode of 1920 x 1080 px"),
-                                    HasSubstr("of 1280 x 720 or 2208 x 1242 instead"), HasSubstr("0.734 or 0.87 times"),
-                                    HasSubstr("--calib-size"))));
+                                    HasSubstr("from 1280 x 720 or 2208 x 1242 instead"),
+                                    HasSubstr("0.734 or 0.87 times"), HasSubstr("--calib-size"))));
   EXPECT_THAT(choose_mode(kModes, for_calibration(for_images(960, 540), 1920, 1080), "calib").notes, IsEmpty());
   EXPECT_THAT(choose_mode(kModes, for_images(1280, 720), "calib").notes, IsEmpty());
   EXPECT_THAT(choose_mode({{1280, 720, 640.0}, {640, 360, 320.2}}, for_images(320, 180), "calib").notes, IsEmpty())

@@ -195,7 +195,7 @@ TEST(NestedFormats, WindowsOfRosAreThoseOfImagesOfTheirSize) {
   EXPECT_THAT(texts(whole.notes), Not(Contains(HasSubstr("roi"))));
   EXPECT_EQ(unseen.camera.cx_px, 320.0);
   EXPECT_THAT(texts(unseen.notes),
-              Contains(HasSubstr("roi, a window of 500 x 300 px at column 100, row 40, is left out")));
+              Contains(HasSubstr("roi, a window of 500 x 300 px at column 100, row 40, is ignored")));
   EXPECT_THAT(texts(window.notes), Contains(HasSubstr("roi is read as a window of 500 x 300 px")));
   EXPECT_EQ(window.camera.cx_px, 220.0);
   EXPECT_EQ(window.camera.cx_right_px, 220.0);
