@@ -97,7 +97,7 @@ RunDiagnosis diagnose_read(std::vector<SampledPair> sample, flies::Calibration& 
   }
   auto run = diagnose_sample(std::move(usable), calibration, corrections);
   run.notes.insert(run.notes.begin(), notes.begin(), notes.end());
-  run.notes_on_sight += notes.size();
+  run.notes_on_files = notes.size();
   return run;
 }
 
@@ -137,25 +137,28 @@ void add_notes(RunDiagnosis& run) {
     run.notes.insert(run.notes.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
   };
   add(flies::complaints_on_sight(run.diagnosis));
-  run.notes_on_sight = run.notes.size();
   if (run.correction) add({correction_note(*run.correction)});
   add(flies::complaints_on_fit(run.diagnosis));
   if (auto note = flies::mount_note(run.mount)) add({*std::move(note)});
   add(flies::complaints_on_ground(run.diagnosis));
 }
 
-/// Why none of the sample is a true pair: of the first.
-std::optional<flies::InputError> refusal_of(const CalibratedRun& run) {
-  std::optional<flies::InputError> refusal;
+/// Finds out whether any of the sample is a true pair.
+void look_for_a_true_pair(CalibratedRun& run) {
+  bool is_rectified_wrongly = false;
   for (const std::size_t i : run.sample) {
     try {
       run.require_true_pair(i, run.usable(i));
-      return std::nullopt;
+      run.refusal.reset();
+      return;
+    } catch (const flies::WronglyRectified& error) {
+      if (!run.refusal) is_rectified_wrongly = true;
+      if (!run.refusal) run.refusal.emplace(error);
     } catch (const flies::InputError& error) {
-      if (!refusal) refusal = error;
+      if (!run.refusal) run.refusal.emplace(error);
     }
   }
-  return refusal;
+  if (is_rectified_wrongly) run.diagnosis.notes.resize(run.diagnosis.notes_on_files);  // the others follow from that
 }
 
 /// Whether the ground is where the mount says: asked of a mount that is to be used as given only where no road was
@@ -275,7 +278,6 @@ CalibratedRun calibrate_run(std::vector<flies::PairPaths> paths, LoadPair load, 
   run.calibration.camera.width_px = images.left.width_px;
   run.calibration.camera.height_px = images.left.height_px;
   run.diagnosis = diagnose_read(std::move(sample), run.calibration, corrections);
-  run.refusal = refusal_of(run);
-  if (run.refusal) run.diagnosis.notes.resize(run.diagnosis.notes_on_sight);  // from which the others follow
+  look_for_a_true_pair(run);
   return run;
 }

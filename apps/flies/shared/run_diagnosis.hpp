@@ -45,7 +45,7 @@ struct RunDiagnosis {
   flies::MountFinding mount;                  ///< how the camera is mounted
   bool road_is_found = false;                 ///< by the options of the run, as its results have it in some pair
   std::vector<std::string> notes;             ///< sentences for the user, the gravest first
-  std::size_t notes_on_sight = 0;             ///< the first ones: on files and on what is seen badly in them
+  std::size_t notes_on_files = 0;             ///< the first ones
 
   void correct(flies::GrayPair& pair) const {
     if (correction) flies::correct_rows(*correction, pair);
@@ -76,8 +76,7 @@ struct CalibratedRun {
   std::vector<std::size_t> sample;  ///< readable pairs of the size that most of up to five have, in order; at least one
   flies::Calibration calibration;   ///< for that size, with the mount that is to be used
   RunDiagnosis diagnosis;
-  /// Why the first pair of the sample is none, where no other one is a true pair either; the diagnosis has no notes
-  /// then that follow from it.
+  /// Why the first pair of the sample is none, where no other one is a true pair either.
   std::optional<flies::InputError> refusal;
 
   const flies::PairPaths& first() const { return paths[sample.front()]; }

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <utility>
 
-#include "flies/core/error.hpp"
 #include "flies/core/pair_check.hpp"
 
 namespace flies {
@@ -39,8 +38,8 @@ OtherWay as_they_are(const GrayPair& images, const StereoCamera& camera) {
   const PairEvidence evidence = gather_pair_evidence(images.view(), camera);
   const bool is_one_picture = evidence.distant >= kFlat * (evidence.nearer + evidence.distant + evidence.beyond);
   if (is_one_picture)
-    return {"both images seem to be of the same camera", "left as they are", "give those of the left and of the right one",
-            evidence.matched_share()};
+    return {"both images seem to be of the same camera", "left as they are",
+            "give those of the left and of the right one", evidence.matched_share()};
   return {"the images seem to be rectified already, and the calibration is for raw ones", "left as they are",
           "give the calibration of the rectified images", share_of(images, camera)};
 }
@@ -95,11 +94,12 @@ void check_calibrated_pair(const RectifiedPair& pair, const Calibration& calibra
   if (as_read && evidence.patches >= kMinPatches && least_share < 1.0) {
     const OtherWay other = best_other_way(calibration, as_read());
     if (other.found_share >= least_share)
-      throw InputError(left_name, "",
-                       fmt::format("{}: {}, {:.0f} % of the places are found on the same row of {}, as given only "
-                                   "{:.0f} %; {}",
-                                   other.fault, other.way, 100.0 * other.found_share, right_name,
-                                   100.0 * evidence.matched_share(), other.remedy));
+      throw WronglyRectified(
+          left_name, "",
+          fmt::format("{}: {}, {:.0f} % of the places are found on the same row of {}, as given only "
+                      "{:.0f} %; {}",
+                      other.fault, other.way, 100.0 * other.found_share, right_name, 100.0 * evidence.matched_share(),
+                      other.remedy));
   }
   check_true_pair(pair, camera, left_name, right_name, RectifiedBy::calibration);
 }
