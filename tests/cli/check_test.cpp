@@ -81,7 +81,7 @@ TEST_F(Check, SaysOfASinglePairThatItIsSwappedAndNoMore) {
   cv::imwrite((folder.path() / "right.png").string(), street_pair().left);
   const std::string out = check("right.png").out;
   EXPECT_THAT(out, HasSubstr("to check:\n  - left.png: left and right seem to be swapped (with right.png)"));
-  for (const char* follows : {"check cx", "--camera-height", "are found on their row"})
+  for (const char* follows : {"check cx", "--camera-height", "are found on the same row"})
     EXPECT_THAT(out, Not(HasSubstr(follows)));
   write_image(folder.path() / "right.png", unrelated_picture());
   EXPECT_THAT(check("right.png").out, HasSubstr("to check:\n  - right.png: not a pair with left.png"));

@@ -74,7 +74,7 @@ TEST(MountNote, DoubtsThePrincipalPointOfAConfirmedMountWhereTheRoadRisesAndNoth
   const auto note = mount_note(confirmed_with(6.0, 16.0));
   ASSERT_TRUE(note);
   EXPECT_THAT(*note, HasSubstr("farther away than 24 m"));
-  EXPECT_THAT(*note, HasSubstr("looks 1.5 degrees farther down"));
+  EXPECT_THAT(*note, HasSubstr("looked 1.5 degrees farther down"));
   EXPECT_THAT(*note, HasSubstr("cx of one camera is some 6 to 16 px off"));
   EXPECT_FALSE(mount_note(confirmed_with(6.0, 6.0)));    // something is far away
   EXPECT_FALSE(mount_note(confirmed_with(2.0, 16.0)));   // the road is level, but the view closed
