@@ -232,7 +232,7 @@ TEST_F(Check, OfARunDoesNotLookRightWherePairsAreBadOrUnreadable) {
   keep_first_bytes(folder.path() / "l" / "2.png", 0.5);
   const RunResult result = run_flies(folder.path(), words);
   EXPECT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("1 of 3 pairs: cannot be used; the first: l/2.png"));
+  EXPECT_THAT(result.out, HasSubstr("1 of 3 pairs cannot be used; the first error: l/2.png"));
   EXPECT_THAT(result.out, ::testing::Not(HasSubstr("looks right")));
 }
 
@@ -245,15 +245,15 @@ TEST_F(Check, OfARunStandsAnOddFirstPair) {
     return result.out;
   };
   write_image(folder.path() / "r" / "0.png", street_pair().left);
-  EXPECT_THAT(said(), HasSubstr("1 of 3 pairs: cannot be used; the first: r/0.png: pixels: not a pair"));
+  EXPECT_THAT(said(), HasSubstr("1 of 3 pairs cannot be used; the first error: r/0.png: pixels: not a pair"));
   keep_first_bytes(folder.path() / "l" / "0.png", 0.5);
-  EXPECT_THAT(said(), HasSubstr("1 of 3 pairs: cannot be used; the first: l/0.png"));
+  EXPECT_THAT(said(), HasSubstr("1 of 3 pairs cannot be used; the first error: l/0.png"));
   for (const auto& [side, image] : {std::pair("l", street_pair().left), std::pair("r", street_pair().right)}) {
     cv::Mat larger;
     cv::resize(image, larger, {400, 350});
     write_image(folder.path() / side / "0.png", larger);
   }
-  EXPECT_THAT(said(), HasSubstr("1 of 3 pairs: cannot be used; the first: l/0.png: image size"));
+  EXPECT_THAT(said(), HasSubstr("1 of 3 pairs cannot be used; the first error: l/0.png: image size"));
 }
 
 TEST_F(Check, ListsWhatTheCalibrationLeavesInDoubt) {

@@ -106,7 +106,7 @@ TEST_F(TrackCommand, TellsWhenNoPairCouldBeUsed) {
   for (const char* name : {"0.png", "1.png", "2.png"}) cv::imwrite((folder.path() / "right" / name).string(), other);
   const RunResult result = run({"--calib", "raw.yaml", "--rate", "20", "--json", "t.jsonl"});
   EXPECT_EQ(result.status, 2);
-  EXPECT_THAT(lines(result.err).back(), HasSubstr("left: no pair could be used; the first: "));
+  EXPECT_THAT(lines(result.err).back(), HasSubstr("left: no pair could be used; the first error: "));
 }
 
 TEST_F(TrackCommand, FeetOfKittiStandOnTheRoadThatWasFound) {
@@ -293,7 +293,7 @@ TEST_F(TrackCommand, TellsWhatGoesWrongInTheMiddleOfARun) {
   EXPECT_EQ(result.status, 2) << "of the swapped pair";
   EXPECT_THAT(result.err, HasSubstr("left/1.png: there is nothing to match in the left image"));
   EXPECT_THAT(result.err, HasSubstr("1 of 3 pairs: nothing to match in the left image; the first: left/1.png"));
-  EXPECT_THAT(result.err, HasSubstr("left/1.png: the right image is that of the pair before"));
+  EXPECT_THAT(result.err, HasSubstr("left/1.png: the right image is identical to that of the previous pair"));
   EXPECT_THAT(result.err, HasSubstr("1 of 3 pairs: left and right swapped; the first: left/2.png"));
 }
 

@@ -119,8 +119,9 @@ TEST(NetworkClassifier, SaysWhatIsWrong) {
   std::ofstream(good.path("lone.yaml")) << kSize;
   EXPECT_THAT(error_of(good.path("lone.cfg")), HasSubstr("expected lone.weights beside it"));
   fs::remove(good.path("net.yaml"));
-  EXPECT_THAT(error_of(good.path()), AllOf(HasSubstr("net.prototxt: expected net.yaml beside it, which says what"),
-                                           HasSubstr("may be empty")));
+  EXPECT_THAT(error_of(good.path()),
+              AllOf(HasSubstr("net.prototxt: expected net.yaml beside it, which describes the input and output"),
+                    HasSubstr("may be empty")));
 }
 
 TEST(NetworkClassifier, TakesTheDefaultsOfAnEmptySideFile) {
