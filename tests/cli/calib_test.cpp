@@ -155,7 +155,7 @@ TEST(PairBy, DetectNamesImagesWithoutAPartnerAndGoesOn) {
   EXPECT_EQ(by_name.status, 0) << by_name.err;
   ASSERT_EQ(lines(by_name.out).size(), 1U);
   EXPECT_EQ(nlohmann::json::parse(by_name.out).at("right"), "r/2.png");
-  EXPECT_THAT(by_name.err, AllOf(HasSubstr("without a partner"), HasSubstr("l/1.png"), HasSubstr("r/3.png")));
+  EXPECT_THAT(by_name.err, AllOf(HasSubstr("have no partner"), HasSubstr("l/1.png"), HasSubstr("r/3.png")));
   EXPECT_EQ(lines(detect("order").out).size(), 2U);
   const RunResult unknown = detect("size");
   EXPECT_EQ(unknown.status, 2);
