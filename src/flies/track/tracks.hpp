@@ -44,8 +44,7 @@ struct TrackOptions {
           "standard deviation of an obstacle's range, in addition to that of its disparity");
     field("across_sd_m", self.across_sd_m, Range{0.01, 5},
           "standard deviation of an obstacle's middle across the line of sight");
-    field("across_sd_share", self.across_sd_share, Range{0, 1},
-          "the same, as a share of the obstacle's width");
+    field("across_sd_share", self.across_sd_share, Range{0, 1}, "the same, as a share of the obstacle's width");
     field("common_sd_share", self.common_sd_share, Range{0, 10},
           "share of these deviations that is common to all sightings of a thing, so that it does not average out");
     field("acceleration_mps2", self.acceleration_mps2, Range{0.01, 50},
