@@ -277,7 +277,7 @@ const patience = Number(process.env.FLIES_PATIENCE ?? 1);
   const lonely = pictures.slice(3, -2).filter((timestamp) => !tracks.has(timestamp));
   assert.ok(lonely.length <= 1, "pictures have tracks of their own pair, unless a busy machine left some out");
   assert.equal(counts.get("/right"), undefined, "only what was subscribed to");
-  assert.match(said, /flies: note: .*as was said/);
+  assert.match(said, /flies: note: .*the baseline is 0\.53 m as given/);
   assert.ok(counts.get("/log") >= 1, "what was told before anybody listened");
   // Who unsubscribes gets no more.
   for (const id of bySubscription.keys()) client.unsubscribe(id);
