@@ -27,24 +27,54 @@ bool is_of_one_level(const GrayView& image, int first_u, int end_u, int first_v,
   return most - least <= kOneLevel_gray;
 }
 
-/// Whether two columns are the same between two rows.
-bool are_equal_columns(const GrayView& image, int u, int other_u, int first_v, int end_v) {
+/// Whether a line is of the one level that the nearer edge of the image begins with: what is behind a border may be
+/// plain, too, as sky is.
+bool is_level_row(const GrayView& image, int v, int) {
+  const int edge_v = 2 * v < image.height_px ? 0 : image.height_px - 1;
+  return std::abs(image.row(v)[0] - image.row(edge_v)[0]) <= kOneLevel_gray &&
+         is_of_one_level(image, 0, image.width_px, v, v + 1);
+}
+bool is_level_column(const GrayView& image, int u, int, int first_v, int end_v) {
+  const int edge_u = 2 * u < image.width_px ? 0 : image.width_px - 1;
+  return std::abs(image.row(first_v)[u] - image.row(first_v)[edge_u]) <= kOneLevel_gray &&
+         is_of_one_level(image, u, u + 1, first_v, end_v);
+}
+
+/// Whether a line is the same as the next one towards the middle.
+bool is_repeated_row(const GrayView& image, int v, int next_v) {
+  return std::equal(image.row(v), image.row(v) + image.width_px, image.row(next_v));
+}
+bool is_repeated_column(const GrayView& image, int u, int next_u, int first_v, int end_v) {
   for (int v = first_v; v < end_v; ++v)
-    if (image.row(v)[u] != image.row(v)[other_u]) return false;
+    if (image.row(v)[u] != image.row(v)[next_u]) return false;
   return true;
 }
 
-/// As many lines from the edge inwards as are of one level, or if none is, as are like the next one.
-/// @param most at most; @param is_level, is_repeated of a line by its distance from the edge
-template <class IsLevel, class IsRepeated>
-int empty_lines(int most, const IsLevel& is_level, const IsRepeated& is_repeated) {
-  const auto count = [&](const auto& is_empty) {
-    int lines = 0;
-    while (lines < most && is_empty(lines)) ++lines;
-    return lines;
+/// Borders of lines that are empty in both images, by what says so of a line and the next one towards the middle.
+template <class IsEmptyRow, class IsEmptyColumn>
+ImageBorders borders_of(const RectifiedPair& pair, const IsEmptyRow& is_empty_row,
+                        const IsEmptyColumn& is_empty_column) {
+  const int last_u = pair.left.width_px - 1, last_v = pair.left.height_px - 1;
+  ImageBorders borders;
+  const auto row_is_empty = [&](int v, int next_v) {
+    return is_empty_row(pair.left, v, next_v) && is_empty_row(pair.right, v, next_v);
   };
-  const int of_one_level = count(is_level);
-  return of_one_level > 0 ? of_one_level : count(is_repeated);
+  while (borders.top_px < last_v && row_is_empty(borders.top_px, borders.top_px + 1)) ++borders.top_px;
+  if (borders.top_px == last_v) return {};
+  while (row_is_empty(last_v - borders.bottom_px, last_v - borders.bottom_px - 1) &&
+         borders.top_px + borders.bottom_px < last_v)
+    ++borders.bottom_px;
+  const int first_v = borders.top_px, end_v = last_v + 1 - borders.bottom_px;
+  const auto column_is_empty = [&](int u, int next_u) {
+    return is_empty_column(pair.left, u, next_u, first_v, end_v) &&
+           is_empty_column(pair.right, u, next_u, first_v, end_v);
+  };
+  while (borders.left_px < last_u && column_is_empty(borders.left_px, borders.left_px + 1)) ++borders.left_px;
+  if (borders.left_px == last_u) return {};
+  while (borders.left_px + borders.right_px < last_u &&
+         column_is_empty(last_u - borders.right_px, last_u - borders.right_px - 1))
+    ++borders.right_px;
+  return borders;
 }
 
 /// One side of an image, seen from outside: `along` its edge and `inwards` from it.
@@ -99,36 +129,9 @@ bool are_bars(const ImageSide& one, const ImageSide& other, int from, int end, i
 }  // namespace
 
 ImageBorders find_borders(const RectifiedPair& pair) {
-  const int width_px = pair.left.width_px, height_px = pair.left.height_px;
-  const auto in_both = [&](const auto& holds) { return holds(pair.left) && holds(pair.right); };
-  const auto row_is_level = [&](int v) {
-    return in_both([&](const GrayView& image) { return is_of_one_level(image, 0, width_px, v, v + 1); });
-  };
-  const auto rows_are_equal = [&](int v, int next_v) {
-    return in_both(
-        [&](const GrayView& image) { return std::equal(image.row(v), image.row(v) + width_px, image.row(next_v)); });
-  };
-  ImageBorders borders;
-  borders.top_px = empty_lines(height_px - 1, row_is_level, [&](int i) { return rows_are_equal(i, i + 1); });
-  if (borders.top_px == height_px - 1) return {};
-  const int last_v = height_px - 1;
-  borders.bottom_px = empty_lines(
-      last_v - borders.top_px, [&](int i) { return row_is_level(last_v - i); },
-      [&](int i) { return rows_are_equal(last_v - i, last_v - i - 1); });
-  const int first_v = borders.top_px, end_v = height_px - borders.bottom_px;
-  const auto column_is_level = [&](int u) {
-    return in_both([&](const GrayView& image) { return is_of_one_level(image, u, u + 1, first_v, end_v); });
-  };
-  const auto columns_are_equal = [&](int u, int next_u) {
-    return in_both([&](const GrayView& image) { return are_equal_columns(image, u, next_u, first_v, end_v); });
-  };
-  borders.left_px = empty_lines(width_px - 1, column_is_level, [&](int i) { return columns_are_equal(i, i + 1); });
-  if (borders.left_px == width_px - 1) return {};
-  const int last_u = width_px - 1;
-  borders.right_px = empty_lines(
-      last_u - borders.left_px, [&](int i) { return column_is_level(last_u - i); },
-      [&](int i) { return columns_are_equal(last_u - i, last_u - i - 1); });
-  return borders;
+  // Coarse pictures repeat lines of their own, so that such are borders only where nothing else is one.
+  const ImageBorders of_one_level = borders_of(pair, is_level_row, is_level_column);
+  return of_one_level.any() ? of_one_level : borders_of(pair, is_repeated_row, is_repeated_column);
 }
 
 std::optional<std::string> borders_note(const RectifiedPair& images) {
