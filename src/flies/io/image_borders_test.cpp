@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdint>
 #include <opencv2/imgproc.hpp>
 
 #include "flies/core/mat_view.hpp"
@@ -23,7 +24,7 @@ struct Pictures {
 };
 
 Pictures textured(int width_px = 320, int height_px = 120) {
-  const auto texture = [&](int seed) {
+  const auto texture = [&](std::uint64_t seed) {
     cv::Mat noise(height_px, width_px, CV_8U);
     cv::RNG random(seed);
     random.fill(noise, cv::RNG::UNIFORM, 0, 256);
