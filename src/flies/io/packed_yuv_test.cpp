@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -19,7 +20,7 @@ constexpr int kWidth_px = 160, kHeight_px = 96;
 
 /// Smooth noise of this spread about this level.
 cv::Mat scene(double middle, double spread, int seed, cv::Size size = {kWidth_px, kHeight_px}) {
-  cv::RNG random(seed);
+  cv::RNG random(static_cast<std::uint64_t>(seed));
   cv::Mat noise(size, CV_32F), smooth, levels;
   random.fill(noise, cv::RNG::NORMAL, 0.0, 1.0);
   cv::GaussianBlur(noise, smooth, {}, 3.0);
