@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -162,6 +164,31 @@ TEST(Recordings, OtherSourcesAreToldTheirCommand) {
   std::filesystem::create_directory(folder.path() / "rosbag2");
   write_bag(folder.path() / "rosbag2/a.bag");
   EXPECT_THAT(fault_of("live", "rosbag2"), HasSubstr("`flies track` reads it"));
+}
+
+TEST(OwnRecordings, OptionsOfTheCameraOverruleTheirCalibration) {
+  const TestFolder folder;
+  const auto& [left, right] = street_pair();
+  write_mcap(folder.path() / "street.mcap", {{"/left", picture_message(left)},
+                                             {"/right", picture_message(right)},
+                                             {"/left/calibration", calibration_message(false)},
+                                             {"/right/calibration", calibration_message(true)}});
+  const auto nearest_m = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"track", "street.mcap", "--mount", "given", "--json", "-"};
+    words.insert(words.end(), more.begin(), more.end());
+    const RunResult result = run_flies(folder.path(), words);
+    EXPECT_EQ(result.status, 0) << result.err;
+    double nearest = std::numeric_limits<double>::infinity();
+    const json record = json::parse(lines(result.out).at(0));
+    for (const auto& obstacle : record.at("obstacles"))
+      nearest = std::min(nearest, obstacle.at("range_m").get<double>());
+    return nearest;
+  };
+  const double as_recorded_m = nearest_m({});
+  EXPECT_NEAR(nearest_m({"--baseline", std::to_string(1.1 * street_camera().baseline_m)}), 1.1 * as_recorded_m,
+              0.03 * as_recorded_m);
+  EXPECT_LT(nearest_m({"--disparity-shift", "3"}), 0.95 * as_recorded_m);
+  EXPECT_GT(nearest_m({"--disparity-shift", "-2"}), 1.05 * as_recorded_m);
 }
 
 TEST(OwnRecordings, FaultsOfTheirCalibrationAreNamed) {

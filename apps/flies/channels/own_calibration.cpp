@@ -73,23 +73,14 @@ std::optional<std::string> OwnCalibration::missing_topic() const {
   return std::string(topic_of(has_left_ ? Channel::right_calibration : Channel::left_calibration));
 }
 
-flies::Calibration OwnCalibration::calibration(const CameraArguments& arguments, const std::string& path) const {
-  flies::check_camera(camera_, path);
+flies::Calibration OwnCalibration::calibration(const flies::CalibrationRequest& request,
+                                               const std::string& path) const {
   flies::Calibration calibration;
   calibration.camera = camera_;
   calibration.format = "recording";
   calibration.has_height = calibration.has_pitch = has_mount_;
-  if (!has_mount_)
-    calibration.notes.push_back({fmt::format("{} how the camera is mounted; the default mount is assumed",
-                                             has_unreadable_mount_ ? "is damaged where it says" : "does not say"),
-                                 flies::CalibrationNoteKind::mount});
-  if (arguments.baseline_m) flies::detail::override_baseline(*arguments.baseline_m, path, calibration);
-  auto& mount = calibration.camera.mount;
-  if (arguments.height_m) mount.height_m = *arguments.height_m;
-  if (arguments.pitch_deg) mount.pitch_rad = flies::radians(*arguments.pitch_deg);
-  if (arguments.roll_deg) mount.roll_rad = flies::radians(*arguments.roll_deg);
-  calibration.has_height |= arguments.height_m.has_value();
-  calibration.has_pitch |= arguments.pitch_deg.has_value();
-  flies::check_camera(calibration.camera, path);
-  return calibration;
+  if (has_unreadable_mount_)
+    calibration.notes.push_back(
+        {"the recording is damaged where it says how the camera is mounted", flies::CalibrationNoteKind::mount});
+  return flies::detail::completed(std::move(calibration), request, path);
 }

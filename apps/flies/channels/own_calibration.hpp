@@ -7,7 +7,6 @@
 #include "channels/channels.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/record/recorded_message.hpp"
-#include "shared/camera_arguments.hpp"
 
 std::string_view topic_of(Channel channel);
 
@@ -21,8 +20,8 @@ class OwnCalibration {
   bool has_any() const { return has_left_ || has_right_; }
   std::optional<std::string> missing_topic() const;
 
-  /// Overruled by what the user says. No topic is missing.
-  flies::Calibration calibration(const CameraArguments& arguments, const std::string& path) const;
+  /// As the user asks for it. No topic is missing. @throws InputError as `load_calibration`
+  flies::Calibration calibration(const flies::CalibrationRequest& request, const std::string& path) const;
 
  private:
   flies::StereoCamera camera_;

@@ -345,7 +345,7 @@ flies::Calibration Recording::calibration(const CameraArguments& arguments, cons
   refuse_options_of_files(arguments, is_our_own(), path_);
   if (is_our_own()) {
     const auto missing = own_.missing_topic();
-    if (!missing) return own_.calibration(arguments, path_);
+    if (!missing) return own_.calibration(calibration_request(arguments, left_, right_, images), path_);
     throw_fault_of(*missing);
     throw flies::InputError(path_, *missing, "is missing");
   }

@@ -14,6 +14,7 @@
 #include "flies/io/formats/opencv_names.hpp"
 #include "flies/io/formats/quantities.hpp"
 #include "flies/io/formats/raw_pair.hpp"
+#include "flies/io/formats/stated_size.hpp"
 
 namespace flies::detail {
 namespace {

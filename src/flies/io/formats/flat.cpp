@@ -15,6 +15,7 @@
 #include "flies/io/formats/nesting.hpp"
 #include "flies/io/formats/opencv_names.hpp"
 #include "flies/io/formats/quantities.hpp"
+#include "flies/io/formats/stated_size.hpp"
 
 namespace flies::detail {
 namespace {
