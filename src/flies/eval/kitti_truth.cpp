@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/eval/text.hpp"
 #include "flies/io/folder.hpp"
 #include "flies/io/image_folder.hpp"

@@ -8,6 +8,7 @@
 
 #include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/io/text_file.hpp"
 
 namespace flies::detail {
@@ -48,13 +49,6 @@ std::vector<TextLine> lines_of(std::string_view text) {
     if (!content.empty() && content.front() != '#') lines.push_back({number, std::string(content)});
   }
   return lines;
-}
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r\n";
-  const auto first = text.find_first_not_of(kSpace);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
 }  // namespace flies::detail

@@ -33,7 +33,4 @@ struct TextLine {
 /// The lines of a text of any encoding that `plain_text` knows, without blank ones and those that begin with '#'.
 std::vector<TextLine> lines_of(std::string_view text);
 
-/// `text` without white space at its ends.
-std::string_view trimmed(std::string_view text);
-
 }  // namespace flies::detail

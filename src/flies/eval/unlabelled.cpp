@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/eval/text.hpp"
 
 namespace flies {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 
 namespace flies::detail {
 namespace {
@@ -27,18 +28,12 @@ std::optional<double> parse_number(std::string_view word) {
   return value;
 }
 
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return "";
-  return std::string(text.substr(first, text.find_last_not_of(" \t") + 1 - first));
-}
-
 /// The lines without comments and without blanks at their ends; empty ones are left out.
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) {
-    const std::string content = trimmed(std::string_view(line).substr(0, line.find('#')));
+    const std::string content(trimmed(std::string_view(line).substr(0, line.find('#'))));
     const bool is_remark = content.starts_with(';') || content.starts_with('%') || content.starts_with("//");
     if (!content.empty() && !is_remark) lines.push_back(content);
   }
@@ -66,8 +61,8 @@ std::optional<std::string> section_name(const std::string& line) {
 /// What stands between the quotes round all of a value, as TOML and MATLAB write words. One behind a bracket
 /// transposes.
 std::string unquoted(const std::string& value) {
-  std::string text = trimmed(value);
-  if (text.ends_with(';')) text = trimmed(std::string_view(text).substr(0, text.size() - 1));
+  std::string text(trimmed(value));
+  if (text.ends_with(';')) text = std::string(trimmed(std::string_view(text).substr(0, text.size() - 1)));
   const bool is_quoted = text.size() > 1 && text.front() == text.back() && (text[0] == '"' || text[0] == '\'');
   return is_quoted ? text.substr(1, text.size() - 2) : value;
 }
@@ -88,7 +83,7 @@ void parse_keyed_lines(const std::vector<std::string>& lines, char separator, Nu
       if (last != nullptr && rest) last->numbers.insert(last->numbers.end(), rest->begin(), rest->end());
       continue;
     }
-    const std::string name = trimmed(std::string_view(line).substr(0, at));
+    const std::string name(trimmed(std::string_view(line).substr(0, at)));
     if (name.empty()) continue;
     const std::string key = section + name;
     if (table.has(key)) throw InputError(table.source, key, "stands in the file twice");
@@ -101,7 +96,7 @@ void parse_keyed_lines(const std::vector<std::string>& lines, char separator, Nu
 bool is_middlebury(const std::vector<std::string>& lines) {
   return std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
     const auto at = line.find('=');
-    const std::string key = at == std::string::npos ? "" : trimmed(std::string_view(line).substr(0, at));
+    const std::string key = at == std::string::npos ? "" : std::string(trimmed(std::string_view(line).substr(0, at)));
     return key == "cam0" || key == "cam1";
   });
 }
@@ -139,7 +134,7 @@ bool has_sections(const std::vector<std::string>& lines) {
 std::optional<std::string> assignment(const std::string& line) {
   const auto at = line.find('=');
   if (at == std::string::npos) return std::nullopt;
-  const std::string name = trimmed(std::string_view(line).substr(0, at));
+  const std::string name(trimmed(std::string_view(line).substr(0, at)));
   const auto is_of_a_name = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '.'; };
   if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) || !std::ranges::all_of(name, is_of_a_name))
     return std::nullopt;
@@ -166,7 +161,7 @@ std::vector<std::string> printed_by_bouguet(const std::vector<std::string>& line
   for (const auto& line : lines) {
     const auto colon = line.find(':'), equals = line.find('=', std::min(colon, line.size()));
     const auto end = line.find(']', std::min(equals, line.size()));
-    if (end != std::string::npos) found.push_back(trimmed(std::string_view(line).substr(colon + 1, end - colon)));
+    if (end != std::string::npos) found.emplace_back(trimmed(std::string_view(line).substr(colon + 1, end - colon)));
   }
   const bool is_known = std::ranges::any_of(found, [](const auto& line) { return line.starts_with("fc_left"); });
   return is_known ? found : std::vector<std::string>();
@@ -177,7 +172,7 @@ bool parse_row_below_names(const std::vector<std::string>& lines, NumberTable& t
   if (lines.size() != 2) return false;
   std::vector<std::string> names;
   std::istringstream heads(lines[0]);
-  for (std::string name; std::getline(heads, name, ',');) names.push_back(trimmed(name));
+  for (std::string name; std::getline(heads, name, ',');) names.emplace_back(trimmed(name));
   const auto is_name = [](const std::string& name) {
     return !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) &&
            std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) || c == '_'; });

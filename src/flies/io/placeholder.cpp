@@ -18,15 +18,6 @@ namespace {
 
 using std::string_view_literals::operator""sv;
 
-bool is_space(char letter) { return std::isspace(static_cast<unsigned char>(letter)) != 0; }
-
-/// Without blanks around it.
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 /// A path to a file with an extension: one line, no blanks, nothing that other texts are made of.
 bool is_path(std::string_view text) {
   constexpr std::size_t kLongest = 1024, kLongestExtension = 5;

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/eval/text.hpp"
 #include "flies/io/text_file.hpp"
 #include "flies/train/label_kind.hpp"

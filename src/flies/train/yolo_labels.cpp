@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/eval/text.hpp"
 #include "flies/io/text_file.hpp"
 #include "flies/io/yaml_text.hpp"
