@@ -230,6 +230,8 @@ try {
   await page.setViewportSize({ width: 390, height: 844 });
   await page.waitForTimeout(300);
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= 390), "no scrolling sideways");
+  const tables = await page.evaluate(() => [...document.querySelectorAll(".scroll")].map((box) => box.scrollWidth - box.clientWidth));
+  assert.ok(tables.length > 0 && tables.every((hidden_px) => hidden_px <= 0), `columns are cut off: ${tables}`);
   const letters_px = await page.evaluate(() => ["left", "top"].map((id) => {
     const canvas = document.getElementById(id);
     return parseFloat(canvas.getContext("2d").font) * canvas.clientWidth / canvas.width;
