@@ -6,9 +6,11 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "flies/classify/convolution.hpp"
+#include "flies/classify/first_network.hpp"
 #include "flies/classify/hog.hpp"
 #include "flies/classify/people_classifier.hpp"
 #include "flies/core/error.hpp"
@@ -45,14 +47,35 @@ struct BothScores {
   double network = 0.0, linear = 0.0;
 };
 
+/// Whether the network in front of the linear machine, if there is one, lets a window through.
+class Front {
+ public:
+  explicit Front(const PeopleModel& model) {
+    if (!model.first_network) return;
+    network_.emplace(*model.first_network);
+    reject_below_ = model.first_network->reject_below;
+  }
+
+  bool passes(const GrayView& image, const ImageBox& window) const {
+    if (!network_) return true;
+    const auto sets = window_sets({&window, 1}, image, network_->raster());
+    return network_->scores(image, sets.front()).front() >= reject_below_;
+  }
+
+ private:
+  std::optional<FirstNetworkMachine> network_;
+  double reject_below_ = 0.0;
+};
+
 std::vector<BothScores> scores_of(const PeopleModel& model, std::span<const Picture> pictures,
                                   std::span<const Place> places) {
   const ConvolutionMachine machine(*model.convolution);
+  const Front front(model);
   std::vector<BothScores> scores;
   std::vector<float> features(feature_count(model.hog));
   for (const Place& place : places) {
     const GrayView image = pictures[place.picture].image.view();
-    if (!is_worth_a_look(place.window, image)) continue;
+    if (!is_worth_a_look(place.window, image) || !front.passes(image, place.window)) continue;
     window_features(image, place.window, model.hog, features);
     const double linear = linear_score(model.linear, features);
     if (linear >= model.linear.reject_below)
@@ -98,7 +121,7 @@ JudgedPlaces judged_places(std::span<const Picture> kept_apart, std::uint64_t se
 
 std::vector<double> probabilities(const PeopleModel& model, std::span<const Picture> pictures,
                                   std::span<const Place> places, const std::function<void()>& progress) {
-  const auto classifier = hog_classifier(model);
+  const auto classifier = model_classifier(model);
   std::vector<double> result;
   for (const Place& place : places) {
     result.push_back(
@@ -113,7 +136,7 @@ void calibrate(PeopleModel& model, std::span<const Picture> kept_apart, const Ju
   const auto background = scores_of(model, kept_apart, judged.background);
   if (people.empty() || background.empty())
     throw InputError("pictures kept apart", "",
-                     fmt::format("the linear machine lets {} windows with people through and {} without, which is too "
+                     fmt::format("the first look lets {} windows with people through and {} without, which is too "
                                  "little to calibrate by; lower --reject-below or add pictures",
                                  people.size(), background.size()));
   double least_loss = std::numeric_limits<double>::infinity();

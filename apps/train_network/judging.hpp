@@ -26,7 +26,8 @@ struct JudgingOptions {
           "number of windows without people kept apart, for calibration, threshold and report");
     field("background_share", self.background_share, Range{0.0, 0.5}, "the threshold lets this share of them through");
     field("reject_below", self.reject_below, Range{-100.0, 100.0},
-          "score of the linear machine below which a window is rejected without asking the network");
+          "windows with a lower score at the first look are rejected: that of the linear machine, or with --first-look "
+          "that of the network in front of it");
   }
 };
 

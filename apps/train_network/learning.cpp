@@ -5,8 +5,6 @@
 #include <numbers>
 #include <utility>
 
-#include "flies/classify/convolution.hpp"
-
 namespace flies {
 namespace {
 
@@ -53,10 +51,11 @@ bool PeopleInTurn::go_on(std::vector<std::int64_t> order, std::size_t position) 
   return true;
 }
 
-Learning::Learning(const std::vector<Picture>& pictures, const LearningOptions& options)
+Learning::Learning(const std::vector<Picture>& pictures, NetworkStage stage, const LearningOptions& options)
     : pictures_(pictures),
       options_(options),
       random_(seed_torch(options.seed)),
+      network_(stage),
       optimiser_(network_.module()->parameters(), torch::optim::AdamWOptions(kRate).weight_decay(kDecay)),
       people_(places_of_people(pictures)),
       background_(pictures),
@@ -88,7 +87,7 @@ void Learning::fill_batch(torch::Tensor& wanted) {
       disguise(window, i + 1 < kBatch ? window + kWindowPixels : nullptr, kHiddenBackground, random_);
     }
   }
-  for (std::size_t i = 0; i < kBatch; ++i) normalise_levels({pixels_.data() + i * kWindowPixels, kWindowPixels});
+  for (std::size_t i = 0; i < kBatch; ++i) network_.prepare({pixels_.data() + i * kWindowPixels, kWindowPixels});
 }
 
 double Learning::learn_batch(double done) {
@@ -96,7 +95,7 @@ double Learning::learn_batch(double done) {
   auto wanted = torch::zeros({static_cast<long>(kBatch), 1});
   fill_batch(wanted);
   optimiser_.zero_grad();
-  auto loss = torch::binary_cross_entropy_with_logits(network_.module()->forward(batch_of(pixels_, kBatch)), wanted);
+  auto loss = torch::binary_cross_entropy_with_logits(network_.forward(batch_of(pixels_, kBatch)), wanted);
   loss.backward();
   optimiser_.step();
   return loss.item<double>();

@@ -58,7 +58,7 @@ class PeopleInTurn {
 class Learning {
  public:
   /// Seeds the random numbers of libtorch as well. @param pictures must outlive it
-  Learning(const std::vector<Picture>& pictures, const LearningOptions& options);
+  Learning(const std::vector<Picture>& pictures, NetworkStage stage, const LearningOptions& options);
 
   Network& network() { return network_; }
   bool is_done() const { return static_cast<int>(epochs_.size()) >= options_.epochs; }

@@ -61,7 +61,8 @@ Options options_of(const Overrides& overrides) {
 void setup(CLI::App& app, flies::NetworkArguments& arguments, Overrides& learning, Overrides& judging) {
   app.name(kCommand);
   app.description(
-      "Trains the network of convolutions of a people model, which has the last word behind a linear machine.");
+      "Trains the network of convolutions that has the last word in a people model, behind a linear machine, or the "
+      "smaller one that looks before the linear machine does.");
   app.add_option("--people", arguments.folders.people,
                  "folder with `train` (crops of people, pictures without) and `pictures` (labelled streets)")
       ->type_name("DIR");
@@ -75,11 +76,15 @@ void setup(CLI::App& app, flies::NetworkArguments& arguments, Overrides& learnin
                  "folder of intermediate results, from which a stopped training continues; default MODEL.work")
       ->type_name("DIR");
   app.add_option("--report", arguments.report, "HTML file with curves, mistakes and epochs")->type_name("FILE");
-  app.add_option("--first", arguments.first, "model whose linear machine looks first; default flies-48x96-linear")
+  app.add_flag("--first-look", arguments.is_first_look,
+               "train the network in front of the linear machine of --first; the model has these two and nothing else");
+  app.add_option("--first", arguments.first,
+                 "model whose linear machine, with the network in front of it if there is one, looks first; default "
+                 "flies-48x96-linear")
       ->type_name("MODEL");
   app.add_flag_callback(
       "--all", [&] { arguments.folders.keep_apart = false; },
-      "learn from all pictures, keep none apart; needs --calibration-of");
+      "learn from all pictures, keep none apart; needs --calibration-of or --first-look");
   app.add_option("--calibration-of", arguments.calibration_of, "model whose calibration and threshold are used")
       ->type_name("MODEL");
   app.add_option("--network-of", arguments.network_of,
@@ -110,7 +115,10 @@ void check(const flies::NetworkArguments& arguments) {
     refuse("--network-of", "expected --people or --calibration-of with it: something has to give the calibration");
   if (!has_pictures && !arguments.folders.stereo.empty()) refuse("--stereo", "expected --people with it");
   if (!arguments.folders.keep_apart && !learns) refuse("--all", "nothing is learnt with --network-of");
-  if (!arguments.folders.keep_apart && arguments.calibration_of.empty())
+  if (arguments.is_first_look && !learns) refuse("--first-look", "nothing is learnt with --network-of");
+  if (arguments.is_first_look && !arguments.calibration_of.empty())
+    refuse("--first-look", "expected no --calibration-of with it: that network only rejects");
+  if (!arguments.folders.keep_apart && arguments.calibration_of.empty() && !arguments.is_first_look)
     refuse("--all", "keeps nothing apart to calibrate by, expected --calibration-of with it");
   if (!arguments.report.empty() && (!has_pictures || !arguments.folders.keep_apart))
     refuse("--report", "needs pictures kept apart, expected --people and no --all");

@@ -90,7 +90,11 @@ void take_first_look(PeopleModel& model, const NetworkArguments& arguments) {
   const PeopleModel first = people_model(arguments.first);
   model.hog = first.hog;
   model.linear = first.linear;
-  model.linear.reject_below = arguments.judging.reject_below;
+  model.first_network = first.first_network;
+  if (arguments.is_first_look)
+    model.threshold = first.threshold;
+  else
+    model.linear.reject_below = arguments.judging.reject_below;
   const bool is_named = !arguments.name.empty();
   model.name = is_named ? arguments.name : std::filesystem::path(arguments.out).stem().string();
   check_model_text(model.name, "command line", is_named ? "--name" : "--out");
@@ -143,11 +147,18 @@ void train_network(const NetworkArguments& arguments) {
   std::optional<NetworkCheckpoint> checkpoint;
   std::optional<Learning> learning;
   if (learns) {
-    learning.emplace(data.learnt, arguments.learning);
+    learning.emplace(data.learnt, arguments.is_first_look ? NetworkStage::first : NetworkStage::last,
+                     arguments.learning);
     checkpoint.emplace(arguments.work,
                        fingerprint_of_learning(data.learnt, arguments.learning, learning->network().shape()));
     learn(*learning, arguments, *checkpoint);
-    model.convolution = learning->network().stage(data.learnt, sample_of(data.learnt, arguments.learning.seed));
+    const auto sample = sample_of(data.learnt, arguments.learning.seed);
+    if (arguments.is_first_look) {
+      model.first_network = learning->network().first_stage(data.learnt, sample);
+      model.first_network->reject_below = arguments.judging.reject_below;
+    } else {
+      model.convolution = learning->network().last_stage(data.learnt, sample);
+    }
     model.about = about(data, arguments);
   }
   std::optional<JudgedPlaces> judged;
@@ -155,7 +166,7 @@ void train_network(const NetworkArguments& arguments) {
   say("calibrates and judges");
   if (!arguments.calibration_of.empty())
     take_calibration(model, arguments.calibration_of);
-  else
+  else if (!arguments.is_first_look)  // nothing is calibrated by a network that only rejects
     calibrate(model, data.kept_apart, *judged, arguments.judging.background_share);
 
   const std::string text = people_model_text(model);

@@ -13,6 +13,7 @@ struct NetworkArguments {
   DataFolders folders;  ///< without pictures: `network_of` and `calibration_of` are put together
   LearningOptions learning;
   JudgingOptions judging;
+  bool is_first_look = false;  ///< trains the network in front of `first`; else the one behind it
   std::string first = "flies-48x96-linear";
   std::string out, name, work, report, network_of, calibration_of;
   std::string command;  ///< the whole line, for the report

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "flies/classify/model_file.hpp"
+#include "flies/classify/named_models.hpp"
 #include "tests/cli/run_flies.hpp"
 #include "toy_streets.hpp"
 
@@ -145,6 +146,29 @@ TEST_F(TrainNetwork, PutsANetworkBehindAnotherFirstLook) {
   EXPECT_NE(after.linear.weights, before.linear.weights);
 }
 
+TEST_F(TrainNetwork, LearnsANetworkInFrontOfTheLinearMachine) {
+  const std::string bytes = trained("first.json", {"--first-look", "--reject-below", "-1.25", "--report", "first.html"});
+  EXPECT_EQ(bytes, trained("again.json", {"--first-look", "--reject-below", "-1.25"}));
+  const PeopleModel first = read_people_model((folder.path() / "first.json").string()),
+                    linear = people_model("flies-48x96-linear");
+  ASSERT_TRUE(first.first_network);
+  EXPECT_FALSE(first.convolution);
+  EXPECT_EQ(first.first_network->reject_below, -1.25);
+  EXPECT_EQ(first.linear.weights, linear.weights);
+  EXPECT_EQ(first.threshold, linear.threshold);
+  EXPECT_THAT(content("first.html"), HasSubstr("Hardest mistakes"));
+
+  trained("net.json", {"--first", "first.json"});
+  const PeopleModel both = read_people_model((folder.path() / "net.json").string());
+  ASSERT_TRUE(both.first_network && both.convolution);
+  EXPECT_EQ(both.first_network->last, first.first_network->last);
+  EXPECT_EQ(both.first_network->reject_below, -1.25);
+  EXPECT_EQ(both.linear.reject_below, -100.0);
+
+  trained("all.json", {"--first-look", "--all"});
+  EXPECT_NE(read_people_model((folder.path() / "all.json").string()).first_network->last, first.first_network->last);
+}
+
 struct StoppedTraining : TrainNetwork, ::testing::WithParamInterface<int> {};
 
 TEST_P(StoppedTraining, GoesOnToTheSameBytes) {
@@ -208,6 +232,10 @@ TEST_F(TrainNetwork, NamesAFaultAndLeavesNothingBehind) {
       {train({"--out", "net.json", "--all"}), "--all: keeps nothing apart to calibrate by"},
       {train({"--out", "net.json", "--all", "--calibration-of", "flies-48x96-network", "--report", "a.html"}),
        "--report: needs pictures kept apart"},
+      {train({"--out", "net.json", "--first-look", "--calibration-of", "flies-48x96-network"}),
+       "--first-look: expected no --calibration-of with it"},
+      {train({"--out", "net.json", "--first-look", "--network-of", "flies-48x96-network"}),
+       "--first-look: nothing is learnt with --network-of"},
       {train({"--out", "net.json", "--report", "net.json"}), "this file is already the output of --out"},
       {train({"--out", "no/such/net.json"}), "no/such/net.json"},
       {train({"--out", "net.json", "--network-of", "flies-48x96"}), "flies-48x96: convolution: missing"},

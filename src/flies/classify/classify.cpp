@@ -43,7 +43,7 @@ double middle_height_m(std::span<const Roi> rois) {
   return *std::next(heights_m.begin(), static_cast<std::ptrdiff_t>(heights_m.size() / 2));
 }
 
-/// The first look, most of the time of a frame: at the middle height of an obstacle, and where that is hopeless at no
+/// The first look: at the middle height of an obstacle, and where that is hopeless at no
 /// other. A person a fifth taller or smaller than a box still looks a little like one.
 std::vector<double> screen(CheckedLooks& looks, std::span<const Roi> rois, bool looks_twice,
                            const ClassifyOptions& options) {

@@ -18,8 +18,8 @@ struct ClassifyOptions {
   double lateral_radius_m = 0.4;
   double depth_radius = 0.15;
   double max_overlap = 0.6;
-  double min_first_probability = 0.005;
-  double min_middle_probability = 0.005;
+  double min_first_probability = 0.002;
+  double min_middle_probability = 0.002;
   double min_second_probability = 0.1;
   double min_refined_probability = 0.3;
   int second_looks = 5;

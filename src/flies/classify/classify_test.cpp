@@ -331,7 +331,7 @@ TEST(ForClassifier, PutsBoxesWhereTheFirstLookSharesItsFeatures) {
   model.hog.window_width_px = 40;
   model.hog.window_height_px = 80;
   model.linear.weights.assign(feature_count(model.hog), 0.0F);
-  const auto classifier = hog_classifier(model);
+  const auto classifier = model_classifier(model);
   EXPECT_DOUBLE_EQ(for_classifier({}, *classifier).step, 0.1) << "8 of 80 px";
   EXPECT_DOUBLE_EQ(for_classifier({.step = 0.3}, *classifier).step, 0.3) << "set by hand";
   EXPECT_DOUBLE_EQ(for_classifier({}, FixedClassifier({})).step, step_between_boxes({})) << "it does not say";

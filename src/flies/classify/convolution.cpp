@@ -8,21 +8,20 @@
 #include <cmath>
 
 #include "flies/classify/dot.hpp"
-#include "flies/classify/kernels/convolve.hpp"
 #include "flies/classify/resample.hpp"
 
 namespace flies {
 namespace {
 
 constexpr double kMostInput = 8.0;
-/// Steps of an input of 1; the largest has 2048.
+/// Steps of an input of 1; the largest has 2048. Above that and a half, what is cut off rounds to the nearest.
 constexpr double kInputSteps = 256.0;
-constexpr double kMostWeight = 2047.0;
-/// Of the sizes of a channel's weights: times the largest activation it stays below 2^31.
-constexpr double kMostWeights = 500'000.0;
+constexpr int kMostSteps = 2048;
+constexpr float kAbove = 2048.5F;
 constexpr std::size_t kTaps = 9;
 
-std::size_t rounded_up(std::size_t count, std::size_t unit) { return (count + unit - 1) / unit * unit; }
+/// Pixels of an output where there are so many of the input.
+std::size_t halved(std::size_t size, std::size_t stride) { return (size + stride - 1) / stride; }
 
 /// Channels of one pixel after the other, in a frame of zeros one pixel wide.
 template <class T>
@@ -72,7 +71,7 @@ double convolution_score(const ConvolutionStage& stage, std::span<const float> i
     for (std::size_t u = 0; u < from.width; ++u) *from.pixel(u, v) = input[v * from.width + u];
   for (const ConvolutionLayer& layer : stage.layers) {
     const auto stride = static_cast<std::size_t>(layer.stride);
-    Activations<double> to((from.width + stride - 1) / stride, (from.height + stride - 1) / stride, layer.weights.rows);
+    Activations<double> to(halved(from.width, stride), halved(from.height, stride), layer.weights.rows);
     for (std::size_t v = 0; v < to.height; ++v)
       for (std::size_t u = 0; u < to.width; ++u)
         for (std::size_t o = 0; o < to.channels; ++o) {
@@ -94,42 +93,16 @@ double convolution_score(const ConvolutionStage& stage, std::span<const float> i
   return score;
 }
 
-ConvolutionMachine::ConvolutionMachine(const ConvolutionStage& stage) : bias_(stage.bias) {
-  std::size_t width = kConvolutionWidth_px, height = kConvolutionHeight_px, channels = 2;
-  double step = 1.0 / kInputSteps;  // of the layer's inputs
-  for (const ConvolutionLayer& from : stage.layers) {
-    Layer layer;
-    layer.stride = static_cast<std::size_t>(from.stride);
-    layer.width = width = (width + layer.stride - 1) / layer.stride;
-    layer.height = height = (height + layer.stride - 1) / layer.stride;
-    layer.pairs = channels / 2;
-    layer.outputs = rounded_up(from.weights.rows, kernels::kConvolutionLanes);
-    layer.weights.resize(kTaps * layer.pairs * layer.outputs * 2);
-    layer.scale.resize(layer.outputs);
-    layer.offset.resize(layer.outputs);
-    const double output_step = from.largest / static_cast<double>(kernels::kMostActive);
-    for (std::size_t o = 0; o < from.weights.rows; ++o) {
-      const auto row = from.weights.row(o);
-      double largest = 0.0, sum = 0.0;
-      for (const float weight : row) {
-        largest = std::max(largest, static_cast<double>(std::abs(weight)));
-        sum += static_cast<double>(std::abs(weight));
-      }
-      const double steps = largest > 0.0 ? std::min(kMostWeight / largest, kMostWeights / sum) : 1.0;
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        const std::size_t channel = i / kTaps, tap = i % kTaps;
-        layer.weights[((tap * layer.pairs + channel / 2) * layer.outputs + o) * 2 + channel % 2] =
-            static_cast<std::int16_t>(std::lround(static_cast<double>(row[i]) * steps));
-      }
-      layer.scale[o] = static_cast<float>(step / steps / output_step);
-      layer.offset[o] = static_cast<float>(static_cast<double>(from.biases[o]) / output_step);
-    }
-    channels = layer.outputs;
-    step = output_step;
-    layers_.push_back(std::move(layer));
+ConvolutionMachine::ConvolutionMachine(const ConvolutionStage& stage)
+    : layers_(whole_layers(stage.layers, 1.0 / kInputSteps)), bias_(stage.bias) {
+  std::size_t width = kConvolutionWidth_px, height = kConvolutionHeight_px;
+  for (const WholeLayer& layer : layers_) {
+    width = halved(width, layer.stride);
+    height = halved(height, layer.stride);
   }
   // As wide as the activations, whose last channels may be nobody's.
-  const std::size_t outputs = stage.layers.back().weights.rows;
+  const std::size_t outputs = stage.layers.back().weights.rows, channels = layers_.back().outputs;
+  const double step = layers_.back().output_step;
   last_.resize(width * height * channels);
   for (std::size_t k = 0; k < stage.last.size(); ++k)
     last_[k / outputs * channels + k % outputs] = static_cast<float>(static_cast<double>(stage.last[k]) * step);
@@ -139,9 +112,14 @@ ConvolutionMachine::ConvolutionMachine(const ConvolutionStage& stage) : bias_(st
 struct ConvolutionMachine::Memory {
   std::vector<Activations<std::int16_t>> activations;
 
-  explicit Memory(const std::vector<Layer>& layers) {
-    activations.emplace_back(kConvolutionWidth_px, kConvolutionHeight_px, 2);
-    for (const Layer& layer : layers) activations.emplace_back(layer.width, layer.height, layer.outputs);
+  explicit Memory(const std::vector<WholeLayer>& layers) {
+    std::size_t width = kConvolutionWidth_px, height = kConvolutionHeight_px;
+    activations.emplace_back(width, height, 2);
+    for (const WholeLayer& layer : layers) {
+      width = halved(width, layer.stride);
+      height = halved(height, layer.stride);
+      activations.emplace_back(width, height, layer.outputs);
+    }
   }
 };
 
@@ -154,17 +132,14 @@ double ConvolutionMachine::score(std::span<const float> input, Memory& memory) c
   auto& first = memory.activations.front();
   for (std::size_t v = 0; v < first.height; ++v) {
     std::int16_t* levels = first.pixel(0, v);
-    for (std::size_t u = 0; u < first.width; ++u)
-      levels[2 * u] =
-          static_cast<std::int16_t>(std::lrint(input[v * first.width + u] * static_cast<float>(kInputSteps)));
+    for (std::size_t u = 0; u < first.width; ++u)  // to the nearest step
+      levels[2 * u] = static_cast<std::int16_t>(
+          static_cast<int>(input[v * first.width + u] * static_cast<float>(kInputSteps) + kAbove) - kMostSteps);
   }
   for (std::size_t l = 0; l < layers_.size(); ++l) {
-    const Layer& layer = layers_[l];
     const auto& from = memory.activations[l];
     auto& to = memory.activations[l + 1];
-    kernels::convolve({layer.width, layer.height, layer.stride, layer.pairs, layer.outputs, layer.weights.data(),
-                       layer.scale.data(), layer.offset.data()},
-                      from.values.data(), from.row(), to.pixel(0, 0), to.row());
+    kernels::convolve(layers_[l].on(to.width, to.height), from.values.data(), from.row(), to.pixel(0, 0), to.row());
   }
   double score = bias_;
   auto& outputs = memory.activations.back();

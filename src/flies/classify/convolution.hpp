@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "flies/classify/people_model.hpp"
+#include "flies/classify/whole_layer.hpp"
 #include "flies/core/gray_view.hpp"
 #include "flies/core/results.hpp"
 
@@ -20,9 +20,6 @@ std::vector<float> convolution_input(const GrayView& image, const ImageBox& wind
 /// The same of grey levels that are there already.
 /// @param levels as many; become the input
 void normalise_levels(std::span<float> levels);
-
-/// Grey levels: a flat window is not blown up to noise.
-inline constexpr double kLeastContrast = 8.0;
 
 /// The stage's score as it is defined, in double precision: slow.
 /// @param input from `convolution_input`
@@ -42,16 +39,11 @@ class ConvolutionMachine {
   double score(std::span<const float> input) const;
 
  private:
-  struct Layer {
-    std::size_t width = 0, height = 0, stride = 1, pairs = 1, outputs = 0;
-    std::vector<std::int16_t> weights;
-    std::vector<float> scale, offset;
-  };
   struct Memory;
 
   double score(std::span<const float> input, Memory& memory) const;
 
-  std::vector<Layer> layers_;
+  std::vector<WholeLayer> layers_;
   std::vector<float> last_;
   double bias_ = 0.0;
 };

@@ -75,7 +75,7 @@ bool is_worth_a_look(const ImageBox& window, const GrayView& image) {
 void window_features(const GrayView& image, const ImageBox& window, const HogGeometry& geometry,
                      std::span<float> features) {
   assert(is_worth_a_look(window, image));
-  const auto set = window_sets({&window, 1}, image, geometry);
+  const auto set = window_sets({&window, 1}, image, WindowRaster::of(geometry));
   assert(features.size() == feature_count(geometry));
   features_of(blocks_of(set.front(), image, geometry), set.front(), 0, geometry).copy_to(features.data());
 }

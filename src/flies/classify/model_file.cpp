@@ -51,19 +51,35 @@ KernelStage read_kernel(ModelReader fields) {
 }
 
 /// Layers are numbered from 1, the first that is not there ends them.
-ConvolutionStage read_convolution(ModelReader fields) {
-  ConvolutionStage stage;
+std::vector<ConvolutionLayer> read_layers(ModelReader& fields, bool have_biases) {
+  std::vector<ConvolutionLayer> layers;
   for (std::size_t i = 1; i <= kMaxConvolutionLayers + 1; ++i) {
     const std::string key = fmt::format("layer_{}", i);
     if (!fields.has(key.c_str())) break;
     ModelReader from = fields.child(key.c_str());
-    ConvolutionLayer& layer = stage.layers.emplace_back();
+    ConvolutionLayer& layer = layers.emplace_back();
     from.read("stride", layer.stride);
     from.read("weights", layer.weights);
-    from.read("biases", layer.biases);
+    if (have_biases) from.read("biases", layer.biases);
     from.read("largest", layer.largest);
     from.finish();
   }
+  return layers;
+}
+
+FirstNetwork read_first_network(ModelReader fields) {
+  FirstNetwork network;
+  network.layers = read_layers(fields, false);
+  fields.read("last", network.last);
+  fields.read("bias", network.bias);
+  fields.read("reject_below", network.reject_below);
+  fields.finish();
+  return network;
+}
+
+ConvolutionStage read_convolution(ModelReader fields) {
+  ConvolutionStage stage;
+  stage.layers = read_layers(fields, true);
   fields.read("last", stage.last);
   fields.read("bias", stage.bias);
   fields.read("linear_weight", stage.linear_weight);
@@ -77,6 +93,7 @@ PeopleModel read_model(ModelReader root) {
   root.read("name", model.name);
   root.read("about", model.about);
   root.read("threshold", model.threshold);
+  if (root.has("first_network")) model.first_network = read_first_network(root.child("first_network"));
   ModelReader hog = root.child("hog");
   for_each_field(model.hog, [&](const char* key, auto& field) { hog.read(key, field); });
   hog.finish();
@@ -90,6 +107,17 @@ PeopleModel read_model(ModelReader root) {
   linear.finish();
   root.finish();
   return model;
+}
+
+ModelJson json_of_layers(const std::vector<ConvolutionLayer>& layers) {
+  ModelJson object = ModelJson::object();
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    ModelJson layer = {{"stride", layers[i].stride}, {"weights", json_of(layers[i].weights)}};
+    if (!layers[i].biases.empty()) layer["biases"] = json_of(layers[i].biases);
+    layer["largest"] = layers[i].largest;
+    object[fmt::format("layer_{}", i + 1)] = std::move(layer);
+  }
+  return object;
 }
 
 void check_checksum(std::string_view text, const std::string& found, const std::string& source) {
@@ -169,6 +197,13 @@ std::string people_model_text(const PeopleModel& model) {
   if (has_second_stage(model)) linear["reject_below"] = model.linear.reject_below;
   ModelJson json = {{"format", kFormat}, {"version", kVersion},          {"name", model.name}, {"about", about},
                     {"hog", hog},        {"threshold", model.threshold}, {"linear", linear}};
+  if (const auto& network = model.first_network) {
+    ModelJson object = json_of_layers(network->layers);
+    object["last"] = json_of(network->last);
+    object["bias"] = network->bias;
+    object["reject_below"] = network->reject_below;
+    json["first_network"] = std::move(object);
+  }
   if (const auto& kernel = model.kernel) {
     ModelJson object = {{"mean", json_of(kernel->mean)}};
     if (kernel->projection.rows > 0) object["projection"] = json_of(kernel->projection);
@@ -180,14 +215,7 @@ std::string people_model_text(const PeopleModel& model) {
     json["kernel"] = std::move(object);
   }
   if (const auto& stage = model.convolution) {
-    ModelJson object = ModelJson::object();
-    for (std::size_t i = 0; i < stage->layers.size(); ++i) {
-      const ConvolutionLayer& layer = stage->layers[i];
-      object[fmt::format("layer_{}", i + 1)] = {{"stride", layer.stride},
-                                                {"weights", json_of(layer.weights)},
-                                                {"biases", json_of(layer.biases)},
-                                                {"largest", layer.largest}};
-    }
+    ModelJson object = json_of_layers(stage->layers);
     object["last"] = json_of(stage->last);
     object["bias"] = stage->bias;
     object["linear_weight"] = stage->linear_weight;

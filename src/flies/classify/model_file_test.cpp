@@ -61,6 +61,20 @@ PeopleModel convolution_model() {
   return model;
 }
 
+/// The same behind a network that looks before all else.
+PeopleModel network_model() {
+  PeopleModel model = convolution_model();
+  model.name = "networks";
+  FirstNetwork network;
+  network.layers.push_back({2, {2, 9, std::vector<float>(18, 0.5F)}, {}, 350.0});
+  network.layers.push_back({2, {1, 18, std::vector<float>(18, -0.125F)}, {}, 70.0});
+  network.last.assign(std::size_t{4} * 9, 0.0625F);
+  network.bias = -0.3;
+  network.reject_below = -1.5;
+  model.first_network = std::move(network);
+  return model;
+}
+
 void expect_equal(const Matrix& a, const Matrix& b) {
   EXPECT_EQ(a.rows, b.rows);
   EXPECT_EQ(a.columns, b.columns);
@@ -92,19 +106,75 @@ void expect_equal(const PeopleModel& a, const PeopleModel& b) {
   expect_equal(a.kernel->calibration, b.kernel->calibration);
 }
 
+void expect_equal(const std::vector<ConvolutionLayer>& a, const std::vector<ConvolutionLayer>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].stride, b[i].stride);
+    expect_equal(a[i].weights, b[i].weights);
+    EXPECT_EQ(a[i].biases, b[i].biases);
+    EXPECT_EQ(a[i].largest, b[i].largest);
+  }
+}
+
+std::string complaint_about(const PeopleModel& model) {
+  try {
+    check_people_model(model, "model.json");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(ModelFile, KeepsTheNetworkThatLooksFirst) {
+  PeopleModel written = network_model();
+  for (const bool is_alone : {false, true}) {
+    if (is_alone) written.convolution.reset();
+    const PeopleModel read = parse_people_model(people_model_text(written), "model.json");
+    ASSERT_TRUE(read.first_network.has_value());
+    EXPECT_EQ(read.convolution.has_value(), !is_alone);
+    const FirstNetwork &a = *written.first_network, &b = *read.first_network;
+    expect_equal(a.layers, b.layers);
+    EXPECT_EQ(b.last, a.last);
+    EXPECT_EQ(b.bias, a.bias);
+    EXPECT_EQ(b.reject_below, a.reject_below);
+    EXPECT_EQ(people_model_text(read), people_model_text(written));
+  }
+}
+
+TEST(ModelFile, RefusesFirstNetworksThatDoNotFitByName) {
+  const auto error_with = [](const auto& change) {
+    PeopleModel model = network_model();
+    change(*model.first_network);
+    return complaint_about(model);
+  };
+  EXPECT_EQ(error_with([](FirstNetwork&) {}), "");
+  EXPECT_THAT(error_with([](FirstNetwork& n) { n.layers.clear(); }), HasSubstr("first_network.layers"));
+  EXPECT_THAT(error_with([](FirstNetwork& n) { n.layers[1].biases = {0.0F}; }),
+              HasSubstr("first_network.layer_2.biases"));
+  EXPECT_THAT(error_with([](FirstNetwork& n) { n.last.pop_back(); }), HasSubstr("first_network.last"));
+  EXPECT_THAT(error_with([](FirstNetwork& n) { n.reject_below = -1.0 / 0.0; }),
+              HasSubstr("first_network.reject_below"));
+  EXPECT_THAT(error_with([](FirstNetwork& n) { n.layers.assign(5, n.layers[0]); }),
+              HasSubstr("first_network.layer_2.weights"));
+}
+
+TEST(ModelFile, RefusesFirstNetworksThatShrinkTheirPicturesTooFar) {
+  PeopleModel model = network_model();
+  auto& network = *model.first_network;
+  for (int i = 0; i < 2; ++i) network.layers.push_back({2, {1, 9, std::vector<float>(9)}, {}, 1.0});
+  EXPECT_THAT(complaint_about(model), HasSubstr("first_network.layer_4: gets 1 x 4 px"));
+  network.layers.pop_back();
+  network.last.assign(4, 0.5F);
+  EXPECT_THAT(complaint_about(model), HasSubstr("has a stride of 8 px over all layers"));
+}
+
 TEST(ModelFile, KeepsConvolutions) {
   const PeopleModel written = convolution_model();
   const PeopleModel read = parse_people_model(people_model_text(written), "model.json");
   ASSERT_TRUE(read.convolution.has_value());
   const ConvolutionStage &a = *written.convolution, &b = *read.convolution;
   EXPECT_EQ(read.linear.reject_below, written.linear.reject_below);
-  ASSERT_EQ(b.layers.size(), a.layers.size());
-  for (std::size_t i = 0; i < a.layers.size(); ++i) {
-    EXPECT_EQ(b.layers[i].stride, a.layers[i].stride);
-    expect_equal(b.layers[i].weights, a.layers[i].weights);
-    EXPECT_EQ(b.layers[i].biases, a.layers[i].biases);
-    EXPECT_EQ(b.layers[i].largest, a.layers[i].largest);
-  }
+  expect_equal(b.layers, a.layers);
   EXPECT_EQ(b.last, a.last);
   EXPECT_EQ(b.bias, a.bias);
   EXPECT_EQ(b.linear_weight, a.linear_weight);
@@ -115,12 +185,7 @@ TEST(ModelFile, RefusesConvolutionsThatDoNotFitByName) {
   const auto error_with = [](const auto& change) {
     PeopleModel model = convolution_model();
     change(model);
-    try {
-      check_people_model(model, "model.json");
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return complaint_about(model);
   };
   EXPECT_EQ(error_with([](PeopleModel&) {}), "");
   EXPECT_THAT(error_with([](PeopleModel& m) { m.convolution->layers.clear(); }), HasSubstr("convolution.layers"));

@@ -66,7 +66,7 @@ PeopleModel people_model(std::string_view name_or_path) {
 
 std::shared_ptr<const PeopleClassifier> people_classifier(std::string_view name_or_path) {
   if (const std::string path(name_or_path); is_network_file(path)) return network_classifier(path);
-  return hog_classifier(people_model(name_or_path));
+  return model_classifier(people_model(name_or_path));
 }
 
 }  // namespace flies

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "flies/classify/convolution.hpp"
+#include "flies/classify/first_network.hpp"
 #include "flies/classify/kernel_machine.hpp"
 #include "flies/classify/model_file.hpp"
 #include "flies/classify/svm_scores.hpp"
@@ -42,24 +43,26 @@ class SeparateLooks final : public PeopleLooks {
   std::span<const ImageBox> windows_;
 };
 
-/// The second stage of a model, ready to run; neither where it has none.
-struct SecondStage {
+/// The stages of a model that are not run as they are written.
+struct Machines {
+  std::optional<FirstNetworkMachine> first;
   std::optional<KernelMachine> kernel;
   std::optional<ConvolutionMachine> convolution;
 };
 
-/// Keeps the blocks of all sets of windows that it has looked at: some 100 kB for an obstacle.
-class HogLooks final : public PeopleLooks {
+/// Keeps what the first stage says of windows, and for a kernel machine also the blocks of their histograms: some 100 kB
+/// for an obstacle.
+class ModelLooks final : public PeopleLooks {
  public:
-  HogLooks(const PeopleModel& model, const SecondStage& second, const GrayView& image,
-           std::span<const ImageBox> windows)
-      : model_(model), second_(second), image_(image), windows_(windows), seen_(windows.size()) {}
+  ModelLooks(const PeopleModel& model, const Machines& machines, const GrayView& image,
+             std::span<const ImageBox> windows)
+      : model_(model), machines_(machines), image_(image), windows_(windows), seen_(windows.size()) {}
 
   std::vector<double> screen(std::span<const std::size_t> some) override {
     look(some);
     std::vector<double> probabilities;
     for (const std::size_t i : some)
-      probabilities.push_back(seen_[i].is_anything ? probability(model_.linear.calibration, seen_[i].linear) : 0.0);
+      probabilities.push_back(screened(seen_[i]));
     return probabilities;
   }
 
@@ -69,8 +72,10 @@ class HogLooks final : public PeopleLooks {
     std::vector<std::size_t> asked;  // the second stage, about all that the first lets pass together
     for (std::size_t k = 0; k < some.size(); ++k) {
       const Seen& seen = seen_[some[k]];
-      probabilities.push_back(seen.is_anything ? person_probability(model_, seen.linear, 0.0) : 0.0);
-      if (has_second_stage(model_) && seen.is_anything && seen.linear >= model_.linear.reject_below) asked.push_back(k);
+      probabilities.push_back(seen.is_accepted   ? person_probability(model_, seen.linear, 0.0)
+                              : seen.is_rejected ? rejected_probability(model_, seen.network)
+                                                 : 0.0);
+      if (has_second_stage(model_) && seen.is_accepted && seen.linear >= model_.linear.reject_below) asked.push_back(k);
     }
     if (asked.empty()) return probabilities;
     const auto scores = second_scores(some, asked);
@@ -81,22 +86,33 @@ class HogLooks final : public PeopleLooks {
 
  private:
   struct Seen {
-    bool is_looked_at = false, is_anything = false;
+    bool is_looked_at = false;
+    bool is_rejected = false;  ///< by the network in front
+    bool is_accepted = false;  ///< worth a look, and not that
+    double network = 0.0;      ///< scores, where there are such
     double linear = 0.0;
     FeaturePieces features;
   };
 
   /// @param asked places in `some`
   std::vector<double> second_scores(std::span<const std::size_t> some, std::span<const std::size_t> asked) const {
-    if (second_.convolution) {
+    if (machines_.convolution) {
       std::vector<ImageBox> windows;
       for (const std::size_t k : asked) windows.push_back(windows_[some[k]]);
-      return second_.convolution->scores(image_, windows);
+      return machines_.convolution->scores(image_, windows);
     }
     const std::size_t length = feature_count(model_.hog);
     std::vector<float> features(asked.size() * length);
     for (std::size_t a = 0; a < asked.size(); ++a) seen_[some[asked[a]]].features.copy_to(features.data() + a * length);
-    return second_.kernel->scores(features);
+    return machines_.kernel->scores(features);
+  }
+
+  /// What the network rejects stays below what the linear machine rejects.
+  double screened(const Seen& seen) const {
+    const LinearStage& linear = model_.linear;
+    if (seen.is_accepted) return probability(linear.calibration, seen.linear);
+    if (!seen.is_rejected) return 0.0;
+    return rejected_probability(model_, seen.network) * probability(linear.calibration, linear.reject_below);
   }
 
   /// The first stage, where it has not looked yet.
@@ -104,7 +120,27 @@ class HogLooks final : public PeopleLooks {
     std::vector<std::size_t> fresh;
     for (const std::size_t i : some)
       if (!std::exchange(seen_[i].is_looked_at, true)) fresh.push_back(i);
-    const auto sets = window_sets(chosen(windows_, fresh), image_, model_.hog);
+    if (machines_.first) {
+      look_by_network(fresh);
+      std::erase_if(fresh, [&](std::size_t i) { return seen_[i].is_rejected; });
+    }
+    look_by_histograms(fresh);
+  }
+
+  void look_by_network(std::span<const std::size_t> fresh) {
+    const auto sets = window_sets(chosen(windows_, fresh), image_, machines_.first->raster());
+    tbb::parallel_for(std::size_t{0}, sets.size(), [&](std::size_t s) {
+      const auto scores = machines_.first->scores(image_, sets[s]);
+      for (std::size_t k = 0; k < scores.size(); ++k) {
+        Seen& seen = seen_[fresh[sets[s].windows[k]]];
+        seen.network = scores[k];
+        seen.is_rejected = seen.network < model_.first_network->reject_below;
+      }
+    });
+  }
+
+  void look_by_histograms(std::span<const std::size_t> fresh) {
+    const auto sets = window_sets(chosen(windows_, fresh), image_, WindowRaster::of(model_.hog));
     const std::size_t before = blocks_.size();
     blocks_.resize(before + sets.size());
     tbb::parallel_for(std::size_t{0}, sets.size(), [&](std::size_t s) {
@@ -112,7 +148,7 @@ class HogLooks final : public PeopleLooks {
       blocks = blocks_of(sets[s], image_, model_.hog);
       for (std::size_t k = 0; k < sets[s].windows.size(); ++k) {
         Seen& seen = seen_[fresh[sets[s].windows[k]]];
-        seen.is_anything = true;
+        seen.is_accepted = true;
         seen.features = features_of(blocks, sets[s], k, model_.hog);
         seen.linear = linear_score(model_.linear, seen.features);
       }
@@ -120,19 +156,20 @@ class HogLooks final : public PeopleLooks {
   }
 
   const PeopleModel& model_;
-  const SecondStage& second_;
+  const Machines& machines_;
   GrayView image_;
   std::span<const ImageBox> windows_;
   std::vector<Seen> seen_;
   std::vector<HogBlocks> blocks_;
 };
 
-class HogClassifier final : public PeopleClassifier {
+class ModelClassifier final : public PeopleClassifier {
  public:
-  explicit HogClassifier(PeopleModel model) : model_(std::move(model)) {
+  explicit ModelClassifier(PeopleModel model) : model_(std::move(model)) {
     check_people_model(model_, model_.name.empty() ? "people model" : model_.name);
-    if (model_.kernel) second_.kernel.emplace(*model_.kernel);
-    if (model_.convolution) second_.convolution.emplace(*model_.convolution);
+    if (model_.first_network) machines_.first.emplace(*model_.first_network);
+    if (model_.kernel) machines_.kernel.emplace(*model_.kernel);
+    if (model_.convolution) machines_.convolution.emplace(*model_.convolution);
   }
 
   const std::string& name() const override { return model_.name; }
@@ -159,7 +196,7 @@ class HogClassifier final : public PeopleClassifier {
   }
 
   std::unique_ptr<PeopleLooks> look_at(const GrayView& image, std::span<const ImageBox> windows) const override {
-    return std::make_unique<HogLooks>(model_, second_, image, windows);
+    return std::make_unique<ModelLooks>(model_, machines_, image, windows);
   }
 
  private:
@@ -172,7 +209,7 @@ class HogClassifier final : public PeopleClassifier {
       const auto part = windows.subspan(first, std::min(kWindowsAtOnce, windows.size() - first));
       std::vector<std::size_t> all(part.size());
       std::iota(all.begin(), all.end(), std::size_t{0});
-      HogLooks looks(model_, second_, image, part);
+      ModelLooks looks(model_, machines_, image, part);
       const auto of_part = ask(looks, all);
       probabilities.insert(probabilities.end(), of_part.begin(), of_part.end());
     }
@@ -180,7 +217,7 @@ class HogClassifier final : public PeopleClassifier {
   }
 
   PeopleModel model_;
-  SecondStage second_;
+  Machines machines_;
 };
 
 }  // namespace
@@ -189,12 +226,12 @@ std::unique_ptr<PeopleLooks> PeopleClassifier::look_at(const GrayView& image, st
   return std::make_unique<SeparateLooks>(*this, image, windows);
 }
 
-std::shared_ptr<const PeopleClassifier> hog_classifier(PeopleModel model) {
-  return std::make_shared<HogClassifier>(std::move(model));
+std::shared_ptr<const PeopleClassifier> model_classifier(PeopleModel model) {
+  return std::make_shared<ModelClassifier>(std::move(model));
 }
 
 std::shared_ptr<const PeopleClassifier> default_people_classifier() {
-  static const auto classifier = hog_classifier(shipped_people_model());
+  static const auto classifier = model_classifier(shipped_people_model());
   return classifier;
 }
 

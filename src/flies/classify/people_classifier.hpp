@@ -65,7 +65,7 @@ class PeopleClassifier {
 };
 
 /// @throws InputError when the model is inconsistent
-std::shared_ptr<const PeopleClassifier> hog_classifier(PeopleModel model);
+std::shared_ptr<const PeopleClassifier> model_classifier(PeopleModel model);
 
 /// The classifier that is used when none is named.
 std::shared_ptr<const PeopleClassifier> default_people_classifier();

@@ -59,40 +59,54 @@ void check_kernel(const KernelStage& kernel, std::size_t features, const Checker
   check.calibration("kernel.calibration", kernel.calibration);
 }
 
-void check_convolution(const ConvolutionStage& stage, const Checker& check) {
+/// Layers and the sum behind them.
+/// @param stage        with zeros around its pictures when it has biases, else without
+/// @param size_px      of a picture
+template <class Stage>
+void check_layers(const Stage& stage, const std::string& name, bool has_biases, int width, int height,
+                  const Checker& check) {
   constexpr std::size_t kTaps = 9, kMaxChannels = 1024;
   if (stage.layers.empty() || stage.layers.size() > kMaxConvolutionLayers)
-    check.fail("convolution.layers",
-               fmt::format("found {}, expected 1 to {}", stage.layers.size(), kMaxConvolutionLayers));
+    check.fail(name + ".layers", fmt::format("found {}, expected 1 to {}", stage.layers.size(), kMaxConvolutionLayers));
   std::size_t channels = 1;
-  int width = kConvolutionWidth_px, height = kConvolutionHeight_px;
   for (std::size_t i = 0; i < stage.layers.size(); ++i) {
     const ConvolutionLayer& layer = stage.layers[i];
-    const std::string field = fmt::format("convolution.layer_{}", i + 1);
+    const std::string field = fmt::format("{}.layer_{}", name, i + 1);
     if (layer.stride != 1 && layer.stride != 2)
       check.fail(field + ".stride", fmt::format("found {}, expected 1 or 2", layer.stride));
     if (layer.weights.rows == 0 || layer.weights.rows > kMaxChannels)
       check.fail(field + ".weights", fmt::format("found {} rows, expected 1 to {}", layer.weights.rows, kMaxChannels));
     check.matrix(field + ".weights", layer.weights, channels * kTaps);
-    check.numbers(field + ".biases", layer.biases, layer.weights.rows);
+    check.numbers(field + ".biases", layer.biases, has_biases ? layer.weights.rows : 0);
     check.positive(field + ".largest", layer.largest);
     channels = layer.weights.rows;
-    width = (width + layer.stride - 1) / layer.stride;
-    height = (height + layer.stride - 1) / layer.stride;
+    const int around = has_biases ? 2 : 0;
+    if (std::min(width, height) + around < 3)
+      check.fail(field, fmt::format("gets {} x {} px, expected at least 3 x 3", width, height));
+    width = (width + around - 3) / layer.stride + 1;
+    height = (height + around - 3) / layer.stride + 1;
   }
-  check.numbers("convolution.last", stage.last,
+  check.numbers(name + ".last", stage.last,
                 static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels);
-  check.finite("convolution.bias", stage.bias);
-  check.finite("convolution.linear_weight", stage.linear_weight);
-  check.calibration("convolution.calibration", stage.calibration);
+  check.finite(name + ".bias", stage.bias);
+}
+
+void check_first_network(const FirstNetwork& network, const Checker& check) {
+  check_layers(network, "first_network", false, kFirstNetworkWidth_px, kFirstNetworkHeight_px, check);
+  check.finite("first_network.reject_below", network.reject_below);
+  const int stride = stride_of(network);
+  if (kFirstNetworkWidth_px % stride != 0 || kFirstNetworkHeight_px % stride != 0)
+    check.fail("first_network", fmt::format("has a stride of {} px over all layers, which does not divide {} x {} px",
+                                            stride, kFirstNetworkWidth_px, kFirstNetworkHeight_px));
 }
 
 }  // namespace
 
 void check_people_model(const PeopleModel& model, const std::string& source) {
-  check_hog_geometry(model.hog, source);
   const Checker check(source);
+  check_hog_geometry(model.hog, source);
   const std::size_t features = feature_count(model.hog);
+  if (model.first_network) check_first_network(*model.first_network, check);
   check.numbers("linear.weights", model.linear.weights, features);
   check.finite("linear.bias", model.linear.bias);
   check.calibration("linear.calibration", model.linear.calibration);
@@ -100,13 +114,23 @@ void check_people_model(const PeopleModel& model, const std::string& source) {
   if (model.kernel) check_kernel(*model.kernel, features, check);
   if (model.kernel && model.convolution)
     check.fail("convolution", "found beside a kernel machine, expected one of them");
-  if (model.convolution) check_convolution(*model.convolution, check);
+  if (model.convolution) {
+    check_layers(*model.convolution, "convolution", true, kConvolutionWidth_px, kConvolutionHeight_px, check);
+    check.finite("convolution.linear_weight", model.convolution->linear_weight);
+    check.calibration("convolution.calibration", model.convolution->calibration);
+  }
   if (!(model.threshold >= 0.0 && model.threshold <= 1.0))
     check.fail("threshold", fmt::format("found {}, expected 0 to 1", model.threshold));
 }
 
 double probability(const ScoreCalibration& calibration, double score) {
   return 1.0 / (1.0 + std::exp(-(calibration.slope * score + calibration.offset)));
+}
+
+int stride_of(const FirstNetwork& network) {
+  int stride = 1;
+  for (const auto& layer : network.layers) stride *= layer.stride;
+  return stride;
 }
 
 double person_probability(const PeopleModel& model, double linear, double second) {
@@ -118,6 +142,12 @@ double person_probability(const PeopleModel& model, double linear, double second
       model.kernel ? probability(model.kernel->calibration, second)
                    : probability(model.convolution->calibration, second + model.convolution->linear_weight * linear);
   return kRejectedProbability + (1.0 - kRejectedProbability) * last;
+}
+
+double rejected_probability(const PeopleModel& model, double score) {
+  constexpr ScoreCalibration kLogOdds;
+  return kRejectedProbability * kRejectedProbability * probability(kLogOdds, score) /
+         probability(kLogOdds, model.first_network->reject_below);
 }
 
 double person_probability(const PeopleModel& model, std::span<const float> features) {

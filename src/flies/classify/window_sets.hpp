@@ -8,18 +8,28 @@
 
 namespace flies {
 
-/// Windows of one size on one raster of the blocks' stride: their features are computed once for all.
+/// Sizes in the pixels that windows are resized to.
+struct WindowRaster {
+  int width_px = 0, height_px = 0;  ///< of a window
+  int stride_px = 1;                ///< between places at which windows share what is computed
+
+  static WindowRaster of(const HogGeometry& geometry) {
+    return {geometry.window_width_px, geometry.window_height_px, geometry.stride_px};
+  }
+};
+
+/// Windows of one size on one raster: their features are computed once for all.
 struct WindowSet {
   ImageBox region;                   ///< what they cover together
-  int columns = 0, rows = 0;         ///< of blocks in the region
+  int columns = 0, rows = 0;         ///< places for windows in the region
   std::vector<std::size_t> windows;  ///< indices
-  std::vector<int> column, row;      ///< of the first block of each window
+  std::vector<int> column, row;      ///< the place of each window
 };
 
 /// Divides windows into sets: those that follow each other, are of one size, and lie on one raster.
 /// @param windows those that are not `is_worth_a_look` are left out
 std::vector<WindowSet> window_sets(std::span<const ImageBox> windows, const GrayView& image,
-                                   const HogGeometry& geometry);
+                                   const WindowRaster& raster);
 
 /// The blocks of the region.
 HogBlocks blocks_of(const WindowSet& set, const GrayView& image, const HogGeometry& geometry);

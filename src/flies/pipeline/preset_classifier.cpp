@@ -11,7 +11,7 @@ std::string_view preset_people_model(Preset preset) {
 
 std::shared_ptr<const PeopleClassifier> preset_classifier(Preset preset) {
   if (preset != Preset::paper) return default_people_classifier();
-  return hog_classifier(parse_embedded_model(shipped_linear_model_text(), std::string(preset_people_model(preset))));
+  return model_classifier(parse_embedded_model(shipped_linear_model_text(), std::string(preset_people_model(preset))));
 }
 
 }  // namespace flies
