@@ -147,7 +147,8 @@ TEST_F(TrainNetwork, PutsANetworkBehindAnotherFirstLook) {
 }
 
 TEST_F(TrainNetwork, LearnsANetworkInFrontOfTheLinearMachine) {
-  const std::string bytes = trained("first.json", {"--first-look", "--reject-below", "-1.25", "--report", "first.html"});
+  const std::string bytes =
+      trained("first.json", {"--first-look", "--reject-below", "-1.25", "--report", "first.html"});
   EXPECT_EQ(bytes, trained("again.json", {"--first-look", "--reject-below", "-1.25"}));
   const PeopleModel first = read_people_model((folder.path() / "first.json").string()),
                     linear = people_model("flies-48x96-linear");

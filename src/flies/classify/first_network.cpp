@@ -45,7 +45,10 @@ class Contrasts {
   /// @param strip levels in steps, each beside a channel that is nobody's
   /// @param cell  side of the squares, which divides windows and strip
   Contrasts(const Pixels<std::int16_t>& strip, std::size_t cell)
-      : columns_(strip.width / cell), across_(kWidth / cell), down_(kHeight / cell), cells_(columns_ * (strip.height / cell)) {
+      : columns_(strip.width / cell),
+        across_(kWidth / cell),
+        down_(kHeight / cell),
+        cells_(columns_ * (strip.height / cell)) {
     for (std::size_t v = 0; v < strip.height; ++v) {
       const std::int16_t* levels = strip.pixel(0, v);
       Sums* sums = cells_.data() + v / cell * columns_;

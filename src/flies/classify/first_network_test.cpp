@@ -54,8 +54,8 @@ double score_alone(const FirstNetworkMachine& machine, const GrayView& image, co
   return machine.scores(image, sets.at(0)).at(0);
 }
 
-// The last layer is rounded to steps of 600 / 4095, and has the error of 45 rounded inputs: a standard deviation of some
-// 0.1, which 108 weights of 0.3 and a contrast of 23 make a hundredth.
+// The last layer is rounded to steps of 600 / 4095, and has the error of 45 rounded inputs: a standard deviation of
+// some 0.1, which 108 weights of 0.3 and a contrast of 23 make a hundredth.
 constexpr double kRounding = 0.05;
 
 TEST(FirstNetwork, ScoresAsItIsDefined) {

@@ -50,8 +50,8 @@ struct Machines {
   std::optional<ConvolutionMachine> convolution;
 };
 
-/// Keeps what the first stage says of windows, and for a kernel machine also the blocks of their histograms: some 100 kB
-/// for an obstacle.
+/// Keeps what the first stage says of windows, and for a kernel machine also the blocks of their histograms: some 100
+/// kB for an obstacle.
 class ModelLooks final : public PeopleLooks {
  public:
   ModelLooks(const PeopleModel& model, const Machines& machines, const GrayView& image,
@@ -61,8 +61,7 @@ class ModelLooks final : public PeopleLooks {
   std::vector<double> screen(std::span<const std::size_t> some) override {
     look(some);
     std::vector<double> probabilities;
-    for (const std::size_t i : some)
-      probabilities.push_back(screened(seen_[i]));
+    for (const std::size_t i : some) probabilities.push_back(screened(seen_[i]));
     return probabilities;
   }
 

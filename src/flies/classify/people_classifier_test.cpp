@@ -108,7 +108,8 @@ TEST(ModelClassifier, LetsANetworkRejectInFrontOfTheLinearMachine) {
 
     const auto classifier = model_classifier(model);
     EXPECT_EQ(classifier->screen_threshold(), without->screen_threshold());
-    const auto passed = classifier->classify(view_of(image), kBoxes), screened = classifier->screen(view_of(image), kBoxes);
+    const auto passed = classifier->classify(view_of(image), kBoxes),
+               screened = classifier->screen(view_of(image), kBoxes);
     constexpr double kRounding = 1e-9;  // windows share sums in other sets
     for (std::size_t i = 0; i < kBoxes.size(); ++i) {
       if (scores[i] >= network.reject_below) {

@@ -92,8 +92,8 @@ inline constexpr std::size_t kMaxConvolutionLayers = 16;
 
 /// A people classifier: plain values. The first stage is a linear machine on histograms of oriented gradients; in front
 /// of it there may be a small network, which spares it most windows. Behind it there may be a second stage for the
-/// windows that the linear machine does not reject: a kernel machine on the same histograms or a network of convolutions
-/// on the window's grey levels.
+/// windows that the linear machine does not reject: a kernel machine on the same histograms or a network of
+/// convolutions on the window's grey levels.
 struct PeopleModel {
   std::string name;  ///< names the model in errors
   std::optional<FirstNetwork> first_network;

@@ -45,8 +45,7 @@ void close_set(WindowSet& set, const ImageBox& first, const WindowRaster& raster
     for (int& offset : offsets) offset -= lowest;
     return std::pair(lowest, spread);
   };
-  const double scale_u = first.width_px / raster.width_px,
-               scale_v = first.height_px / raster.height_px;
+  const double scale_u = first.width_px / raster.width_px, scale_v = first.height_px / raster.height_px;
   const auto [left, across] = shift_to_zero(set.column);
   const auto [top, down] = shift_to_zero(set.row);
   set.columns = across + 1;
