@@ -15,6 +15,7 @@ namespace {
 /// Steps of a grey level; levels count from the middle, so that the largest has 2048.
 constexpr float kLevelSteps = 16.0F, kMiddleLevel = 128.0F;
 constexpr auto kMiddle = static_cast<int>(kMiddleLevel * kLevelSteps);
+constexpr float kHalf = 0.5F;  // levels are not negative: what is cut off then rounds to the nearest
 constexpr std::size_t kTaps = 9, kReach = 3;
 constexpr auto kWidth = static_cast<std::size_t>(kFirstNetworkWidth_px),
                kHeight = static_cast<std::size_t>(kFirstNetworkHeight_px);
@@ -142,7 +143,7 @@ std::vector<double> FirstNetworkMachine::scores(const GrayView& image, const Win
   const FloatImage levels = resample(image, set.region, width_px, height_px);
   Pixels<std::int16_t> strip(static_cast<std::size_t>(width_px), static_cast<std::size_t>(height_px), 2);
   for (std::size_t i = 0; i < strip.width * strip.height; ++i)  // to the nearest step
-    strip.values[2 * i] = static_cast<std::int16_t>(static_cast<int>(levels.values[i] * kLevelSteps + 0.5F) - kMiddle);
+    strip.values[2 * i] = static_cast<std::int16_t>(static_cast<int>(levels.values[i] * kLevelSteps + kHalf) - kMiddle);
   const Contrasts contrasts(strip, static_cast<std::size_t>(stride_));
   Pixels<std::int16_t> from = std::move(strip);
   for (const WholeLayer& layer : layers_) {
