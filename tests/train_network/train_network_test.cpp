@@ -155,7 +155,7 @@ TEST_F(TrainNetwork, LearnsANetworkInFrontOfTheLinearMachine) {
   ASSERT_TRUE(first.first_network);
   EXPECT_FALSE(first.convolution);
   EXPECT_EQ(first.first_network->reject_below, -1.25);
-  EXPECT_EQ(first.linear.weights, linear.weights);
+  EXPECT_EQ(first.linear.weights, linear.linear.weights);
   EXPECT_EQ(first.threshold, linear.threshold);
   EXPECT_THAT(content("first.html"), HasSubstr("Hardest mistakes"));
 
