@@ -73,9 +73,9 @@ struct TrainNetwork : ::testing::Test {
 TEST_F(TrainNetwork, NamesLabelLinesThatCannotBeRead) {
   const fs::path label = folder.path() / "people/pictures/label_2/kitti_000003.txt";
   write_text(label, "Pedestrian 0 0 0 90 50 20 150 -1 -1 -1 -1000 -1000 -1000 -10\n");
-  expect_refused(train({"--out", "net.json"}), "kitti_000003.txt: line 1: found the box 90 50 20 150");
+  expect_refused(train({"--quiet", "--out", "net.json"}), "kitti_000003.txt: line 1: found the box 90 50 20 150");
   write_text(label, "Pedestrian 0 0 0 x\n");
-  expect_refused(train({"--out", "net.json"}), "kitti_000003.txt: line 1: found 5 fields");
+  expect_refused(train({"--quiet", "--out", "net.json"}), "kitti_000003.txt: line 1: found 5 fields");
 }
 
 TEST_F(TrainNetwork, RefusesToWriteOverWhatItReads) {
