@@ -16,7 +16,7 @@ struct Shape {
 };
 /// 3.6 million products a window; channels in sixteens, as the kernel computes them.
 constexpr Shape kLastLayers[] = {{2, 16}, {2, 32}, {2, 32}, {1, 48}, {2, 64}};
-/// 130,000 products a window; a window begins at every fourth pixel.
+/// 170,000 products a window; a window begins at every fourth pixel.
 constexpr Shape kFirstLayers[] = {{2, 16}, {2, 16}, {1, 32}};
 constexpr double kLastDropout = 0.25, kFirstDropout = 0.1;
 
