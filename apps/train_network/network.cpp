@@ -128,10 +128,14 @@ torch::Tensor Network::convolved(const torch::Tensor& batch, std::size_t layer) 
   return torch::relu(torch::conv2d(batch, kernels_of(layer), {}, convolutions_[layer]->options.stride()));
 }
 
+torch::Tensor Network::resized(const torch::Tensor& batch) const {
+  return torch::matmul(torch::matmul(rows_, batch), columns_);
+}
+
 torch::Tensor Network::forward(const torch::Tensor& batch) {
   torch::Tensor pixels = batch;
   if (stage_ == NetworkStage::first) {
-    const auto levels = torch::matmul(torch::matmul(rows_, batch), columns_);
+    const auto levels = resized(batch);
     pixels = (levels - levels.mean({1, 2, 3}, true)) / contrasts(levels);
   }
   for (std::size_t i = 0; i < convolutions_.size(); ++i) pixels = convolved(pixels, i);
@@ -157,6 +161,18 @@ std::vector<float> Network::last_weights() const {
   return weights;
 }
 
+/// In use, the contrast of the first stage is divided out last: its activations are of levels as they are.
+void Network::note_largest(const std::vector<Picture>& pictures, const std::vector<Place>& sample,
+                           std::vector<ConvolutionLayer>& layers) {
+  for_batches(pictures, sample, [&](torch::Tensor batch) {
+    if (stage_ == NetworkStage::first) batch = resized(batch);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      batch = convolved(batch, i);
+      layers[i].largest = std::max(layers[i].largest, batch.max().item<double>());
+    }
+  });
+}
+
 ConvolutionStage Network::last_stage(const std::vector<Picture>& pictures, const std::vector<Place>& sample) {
   const torch::NoGradGuard guard;
   module_->eval();
@@ -169,12 +185,7 @@ ConvolutionStage Network::last_stage(const std::vector<Picture>& pictures, const
     round_to_half(layer.biases);
     stage.layers.push_back(std::move(layer));
   }
-  for_batches(pictures, sample, [&](torch::Tensor batch) {
-    for (std::size_t i = 0; i < convolutions_.size(); ++i) {
-      batch = convolved(batch, i);
-      stage.layers[i].largest = std::max(stage.layers[i].largest, batch.max().item<double>());
-    }
-  });
+  note_largest(pictures, sample, stage.layers);
   stage.last = last_weights();
   stage.bias = last_->bias.item<double>();
   module_->train();
@@ -187,13 +198,7 @@ FirstNetwork Network::first_stage(const std::vector<Picture>& pictures, const st
   FirstNetwork network;
   for (std::size_t i = 0; i < convolutions_.size(); ++i)
     network.layers.push_back(layer_of(kFirstLayers[i], kernels_of(i)));
-  for_batches(pictures, sample, [&](const torch::Tensor& batch) {
-    auto levels = torch::matmul(torch::matmul(rows_, batch), columns_);  // in use, their contrast is divided out last
-    for (std::size_t i = 0; i < convolutions_.size(); ++i) {
-      levels = convolved(levels, i);
-      network.layers[i].largest = std::max(network.layers[i].largest, levels.max().item<double>());
-    }
-  });
+  note_largest(pictures, sample, network.layers);
   network.last = last_weights();
   network.bias = last_->bias.item<double>();
   module_->train();

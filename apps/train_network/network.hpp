@@ -50,7 +50,11 @@ class Network {
   void for_batches(const std::vector<Picture>& pictures, const std::vector<Place>& places, const Use& use) const;
   torch::Tensor kernels_of(std::size_t layer) const;
   torch::Tensor convolved(const torch::Tensor& batch, std::size_t layer);
+  /// To the pixels of the first stage.
+  torch::Tensor resized(const torch::Tensor& batch) const;
   std::vector<float> last_weights() const;
+  void note_largest(const std::vector<Picture>& pictures, const std::vector<Place>& sample,
+                    std::vector<ConvolutionLayer>& layers);
 
   NetworkStage stage_;
   torch::nn::Sequential module_;  ///< all of these one after the other
@@ -58,7 +62,7 @@ class Network {
   std::vector<torch::nn::BatchNorm2d> normals_;  ///< of the last stage
   torch::nn::Dropout dropout_ = nullptr;
   torch::nn::Linear last_ = nullptr;
-  torch::Tensor rows_, columns_;  ///< resize a window to that of the first stage
+  torch::Tensor rows_, columns_;  ///< resize a window to that of the first stage, by `resized`
 };
 
 }  // namespace flies

@@ -18,22 +18,12 @@ constexpr double kMostInput = 8.0;
 constexpr double kInputSteps = 256.0;
 constexpr int kMostSteps = 2048;
 constexpr float kAbove = 2048.5F;
-constexpr std::size_t kTaps = 9;
 
-/// Pixels of an output where there are so many of the input.
-std::size_t halved(std::size_t size, std::size_t stride) { return (size + stride - 1) / stride; }
-
-/// Channels of one pixel after the other, in a frame of zeros one pixel wide.
+/// A picture in a frame of zeros one pixel wide.
 template <class T>
-struct Activations {
-  std::size_t width = 0, height = 0, channels = 0;
-  std::vector<T> values;
-
-  Activations(std::size_t w, std::size_t h, std::size_t c)
-      : width(w), height(h), channels(c), values((w + 2) * (h + 2) * c) {}
-  std::size_t row() const { return (width + 2) * channels; }
-  T* pixel(std::size_t u, std::size_t v) { return values.data() + (v + 1) * row() + (u + 1) * channels; }
-};
+Pixels<T> framed(std::size_t width, std::size_t height, std::size_t channels) {
+  return Pixels<T>(width + 2, height + 2, channels);
+}
 
 /// Sums of every eighth: an order of its own, of which the compiler makes vectors.
 template <class Term>
@@ -65,31 +55,17 @@ std::vector<float> convolution_input(const GrayView& image, const ImageBox& wind
 }
 
 double convolution_score(const ConvolutionStage& stage, std::span<const float> input) {
-  Activations<double> from(kConvolutionWidth_px, kConvolutionHeight_px, 1);
-  assert(input.size() == from.width * from.height);
-  for (std::size_t v = 0; v < from.height; ++v)
-    for (std::size_t u = 0; u < from.width; ++u) *from.pixel(u, v) = input[v * from.width + u];
+  Pixels<double> picture(kConvolutionWidth_px, kConvolutionHeight_px, 1);
+  assert(input.size() == picture.values.size());
+  std::ranges::copy(input, picture.values.begin());
   for (const ConvolutionLayer& layer : stage.layers) {
-    const auto stride = static_cast<std::size_t>(layer.stride);
-    Activations<double> to(halved(from.width, stride), halved(from.height, stride), layer.weights.rows);
-    for (std::size_t v = 0; v < to.height; ++v)
-      for (std::size_t u = 0; u < to.width; ++u)
-        for (std::size_t o = 0; o < to.channels; ++o) {
-          double sum = layer.biases[o];
-          for (std::size_t tap = 0; tap < kTaps; ++tap) {
-            // The frame makes up for the pixel above and left of the output.
-            const double* pixel =
-                from.values.data() + (v * stride + tap / 3) * from.row() + (u * stride + tap % 3) * from.channels;
-            for (std::size_t i = 0; i < from.channels; ++i) sum += pixel[i] * layer.weights.row(o)[i * kTaps + tap];
-          }
-          to.pixel(u, v)[o] = std::clamp(sum, 0.0, layer.largest);
-        }
-    from = std::move(to);
+    auto inside = framed<double>(picture.width, picture.height, picture.channels);
+    for (std::size_t v = 0; v < picture.height; ++v)
+      std::copy_n(picture.pixel(0, v), picture.row(), inside.pixel(1, v + 1));
+    picture = convolved(inside, layer);
   }
   double score = stage.bias;
-  for (std::size_t v = 0, k = 0; v < from.height; ++v)
-    for (std::size_t u = 0; u < from.width; ++u)
-      for (std::size_t o = 0; o < from.channels; ++o, ++k) score += from.pixel(u, v)[o] * stage.last[k];
+  for (std::size_t k = 0; k < stage.last.size(); ++k) score += picture.values[k] * stage.last[k];
   return score;
 }
 
@@ -97,8 +73,8 @@ ConvolutionMachine::ConvolutionMachine(const ConvolutionStage& stage)
     : layers_(whole_layers(stage.layers, 1.0 / kInputSteps)), bias_(stage.bias) {
   std::size_t width = kConvolutionWidth_px, height = kConvolutionHeight_px;
   for (const WholeLayer& layer : layers_) {
-    width = halved(width, layer.stride);
-    height = halved(height, layer.stride);
+    width = convolved_size(width + 2, layer.stride);
+    height = convolved_size(height + 2, layer.stride);
   }
   // As wide as the activations, whose last channels may be nobody's.
   const std::size_t outputs = stage.layers.back().weights.rows, channels = layers_.back().outputs;
@@ -108,17 +84,17 @@ ConvolutionMachine::ConvolutionMachine(const ConvolutionStage& stage)
     last_[k / outputs * channels + k % outputs] = static_cast<float>(static_cast<double>(stage.last[k]) * step);
 }
 
-/// Activations of every layer, its input first. The zeros around them stay.
+/// Activations of every layer, its input first, each in its frame. The zeros stay.
 struct ConvolutionMachine::Memory {
-  std::vector<Activations<std::int16_t>> activations;
+  std::vector<Pixels<std::int16_t>> activations;
 
   explicit Memory(const std::vector<WholeLayer>& layers) {
     std::size_t width = kConvolutionWidth_px, height = kConvolutionHeight_px;
-    activations.emplace_back(width, height, 2);
+    activations.push_back(framed<std::int16_t>(width, height, 2));
     for (const WholeLayer& layer : layers) {
-      width = halved(width, layer.stride);
-      height = halved(height, layer.stride);
-      activations.emplace_back(width, height, layer.outputs);
+      width = convolved_size(width + 2, layer.stride);
+      height = convolved_size(height + 2, layer.stride);
+      activations.push_back(framed<std::int16_t>(width, height, layer.outputs));
     }
   }
 };
@@ -130,22 +106,24 @@ double ConvolutionMachine::score(std::span<const float> input) const {
 
 double ConvolutionMachine::score(std::span<const float> input, Memory& memory) const {
   auto& first = memory.activations.front();
-  for (std::size_t v = 0; v < first.height; ++v) {
-    std::int16_t* levels = first.pixel(0, v);
-    for (std::size_t u = 0; u < first.width; ++u)  // to the nearest step
-      levels[2 * u] = static_cast<std::int16_t>(
-          static_cast<int>(input[v * first.width + u] * static_cast<float>(kInputSteps) + kAbove) - kMostSteps);
+  for (std::size_t v = 0; v + 2 < first.height; ++v) {
+    std::int16_t* levels = first.pixel(1, v + 1);
+    const float* row = input.data() + v * (first.width - 2);
+    for (std::size_t u = 0; u + 2 < first.width; ++u)  // to the nearest step
+      levels[2 * u] =
+          static_cast<std::int16_t>(static_cast<int>(row[u] * static_cast<float>(kInputSteps) + kAbove) - kMostSteps);
   }
   for (std::size_t l = 0; l < layers_.size(); ++l) {
     const auto& from = memory.activations[l];
     auto& to = memory.activations[l + 1];
-    kernels::convolve(layers_[l].on(to.width, to.height), from.values.data(), from.row(), to.pixel(0, 0), to.row());
+    kernels::convolve(layers_[l].on(to.width - 2, to.height - 2), from.values.data(), from.row(), to.pixel(1, 1),
+                      to.row());
   }
   double score = bias_;
-  auto& outputs = memory.activations.back();
-  const std::size_t row = outputs.width * outputs.channels;
-  for (std::size_t v = 0; v < outputs.height; ++v) {
-    const std::int16_t* levels = outputs.pixel(0, v);
+  const auto& outputs = memory.activations.back();
+  const std::size_t row = (outputs.width - 2) * outputs.channels;
+  for (std::size_t v = 0; v + 2 < outputs.height; ++v) {
+    const std::int16_t* levels = outputs.pixel(1, v + 1);
     const float* weights = last_.data() + v * row;
     score +=
         static_cast<double>(sum_terms(row, [=](std::size_t i) { return static_cast<float>(levels[i]) * weights[i]; }));

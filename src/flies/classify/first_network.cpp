@@ -16,24 +16,8 @@ namespace {
 constexpr float kLevelSteps = 16.0F, kMiddleLevel = 128.0F;
 constexpr auto kMiddle = static_cast<int>(kMiddleLevel * kLevelSteps);
 constexpr float kHalf = 0.5F;  // levels are not negative: what is cut off then rounds to the nearest
-constexpr std::size_t kTaps = 9, kReach = 3;
 constexpr auto kWidth = static_cast<std::size_t>(kFirstNetworkWidth_px),
                kHeight = static_cast<std::size_t>(kFirstNetworkHeight_px);
-
-/// Pixels of an output where there are so many of the input.
-std::size_t inside(std::size_t size, std::size_t stride) { return (size - kReach) / stride + 1; }
-
-/// Channels of one pixel after the other.
-template <class T>
-struct Pixels {
-  std::size_t width = 0, height = 0, channels = 0;
-  std::vector<T> values;
-
-  Pixels(std::size_t w, std::size_t h, std::size_t c) : width(w), height(h), channels(c), values(w * h * c) {}
-  std::size_t row() const { return width * channels; }
-  T* pixel(std::size_t u, std::size_t v) { return values.data() + v * row() + u * channels; }
-  const T* pixel(std::size_t u, std::size_t v) const { return values.data() + v * row() + u * channels; }
-};
 
 double contrast_of(double sum, double squares, double count) {
   const double mean = sum / count;
@@ -91,31 +75,17 @@ class Contrasts {
 }  // namespace
 
 double first_network_score(const FirstNetwork& network, std::span<const float> levels) {
-  assert(levels.size() == kWidth * kHeight);
-  Pixels<double> from(kWidth, kHeight, 1);
+  Pixels<double> picture(kWidth, kHeight, 1);
+  assert(levels.size() == picture.values.size());
   double sum = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    const double level = from.values[i] = static_cast<double>(levels[i]) - static_cast<double>(kMiddleLevel);
+    const double level = picture.values[i] = static_cast<double>(levels[i]) - static_cast<double>(kMiddleLevel);
     sum += level;
     squares += level * level;
   }
-  for (const ConvolutionLayer& layer : network.layers) {
-    const auto stride = static_cast<std::size_t>(layer.stride);
-    Pixels<double> to(inside(from.width, stride), inside(from.height, stride), layer.weights.rows);
-    for (std::size_t v = 0; v < to.height; ++v)
-      for (std::size_t u = 0; u < to.width; ++u)
-        for (std::size_t o = 0; o < to.channels; ++o) {
-          double output = 0.0;
-          for (std::size_t tap = 0; tap < kTaps; ++tap) {
-            const double* pixel = from.pixel(u * stride + tap % kReach, v * stride + tap / kReach);
-            for (std::size_t i = 0; i < from.channels; ++i) output += pixel[i] * layer.weights.row(o)[i * kTaps + tap];
-          }
-          to.pixel(u, v)[o] = std::clamp(output, 0.0, layer.largest);
-        }
-    from = std::move(to);
-  }
+  for (const ConvolutionLayer& layer : network.layers) picture = convolved(picture, layer);
   double score = 0.0;
-  for (std::size_t i = 0; i < from.values.size(); ++i) score += from.values[i] * network.last[i];
+  for (std::size_t k = 0; k < network.last.size(); ++k) score += picture.values[k] * network.last[k];
   return network.bias + score / contrast_of(sum, squares, static_cast<double>(levels.size()));
 }
 
@@ -126,8 +96,8 @@ FirstNetworkMachine::FirstNetworkMachine(const FirstNetwork& network)
       height_(kHeight),
       bias_(network.bias) {
   for (const WholeLayer& layer : layers_) {
-    width_ = inside(width_, layer.stride);
-    height_ = inside(height_, layer.stride);
+    width_ = convolved_size(width_, layer.stride);
+    height_ = convolved_size(height_, layer.stride);
   }
   // As wide as the activations, whose last channels may be nobody's.
   const std::size_t outputs = network.layers.back().weights.rows, channels = layers_.back().outputs;
@@ -147,7 +117,8 @@ std::vector<double> FirstNetworkMachine::scores(const GrayView& image, const Win
   const Contrasts contrasts(strip, static_cast<std::size_t>(stride_));
   Pixels<std::int16_t> from = std::move(strip);
   for (const WholeLayer& layer : layers_) {
-    Pixels<std::int16_t> to(inside(from.width, layer.stride), inside(from.height, layer.stride), layer.outputs);
+    Pixels<std::int16_t> to(convolved_size(from.width, layer.stride), convolved_size(from.height, layer.stride),
+                            layer.outputs);
     kernels::convolve(layer.on(to.width, to.height), from.values.data(), from.row(), to.values.data(), to.row());
     from = std::move(to);
   }

@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "flies/classify/convolution_layer.hpp"
 #include "flies/classify/people_model.hpp"
-#include "flies/classify/whole_layer.hpp"
 #include "flies/classify/window_sets.hpp"
 #include "flies/core/gray_view.hpp"
 

@@ -43,15 +43,14 @@ class SeparateLooks final : public PeopleLooks {
   std::span<const ImageBox> windows_;
 };
 
-/// The stages of a model that are not run as they are written.
+/// Networks and kernel machine of a model, ready to run.
 struct Machines {
   std::optional<FirstNetworkMachine> first;
   std::optional<KernelMachine> kernel;
   std::optional<ConvolutionMachine> convolution;
 };
 
-/// Keeps what the first stage says of windows, and for a kernel machine also the blocks of their histograms: some 100
-/// kB for an obstacle.
+/// Keeps the blocks of all sets of windows whose histograms it has made: some 100 kB for an obstacle.
 class ModelLooks final : public PeopleLooks {
  public:
   ModelLooks(const PeopleModel& model, const Machines& machines, const GrayView& image,

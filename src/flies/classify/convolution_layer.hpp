@@ -9,6 +9,24 @@
 
 namespace flies {
 
+/// Channels of one pixel after the other, row by row.
+template <class T>
+struct Pixels {
+  std::size_t width = 0, height = 0, channels = 0;
+  std::vector<T> values;
+
+  Pixels(std::size_t w, std::size_t h, std::size_t c) : width(w), height(h), channels(c), values(w * h * c) {}
+  std::size_t row() const { return width * channels; }
+  T* pixel(std::size_t u, std::size_t v) { return values.data() + v * row() + u * channels; }
+  const T* pixel(std::size_t u, std::size_t v) const { return values.data() + v * row() + u * channels; }
+};
+
+/// Pixels that a 3 x 3 convolution makes of so many, along one axis.
+inline std::size_t convolved_size(std::size_t size, std::size_t stride) { return (size - 3) / stride + 1; }
+
+/// What a layer makes of a picture as it is defined, in double precision: slow. Zeros around are part of the picture.
+Pixels<double> convolved(const Pixels<double>& picture, const ConvolutionLayer& layer);
+
 /// A convolution in whole numbers of 16 bits: the weights of each output channel are rounded to some thousands of
 /// steps, few enough that no sum of products overflows.
 struct WholeLayer {

@@ -1,4 +1,4 @@
-#include "flies/classify/whole_layer.hpp"
+#include "flies/classify/convolution_layer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +14,23 @@ constexpr std::size_t kTaps = 9;
 std::size_t rounded_up(std::size_t count, std::size_t unit) { return (count + unit - 1) / unit * unit; }
 
 }  // namespace
+
+Pixels<double> convolved(const Pixels<double>& picture, const ConvolutionLayer& layer) {
+  const auto stride = static_cast<std::size_t>(layer.stride);
+  Pixels<double> result(convolved_size(picture.width, stride), convolved_size(picture.height, stride),
+                        layer.weights.rows);
+  for (std::size_t v = 0; v < result.height; ++v)
+    for (std::size_t u = 0; u < result.width; ++u)
+      for (std::size_t o = 0; o < result.channels; ++o) {
+        double sum = layer.biases.empty() ? 0.0 : static_cast<double>(layer.biases[o]);
+        for (std::size_t tap = 0; tap < kTaps; ++tap) {
+          const double* pixel = picture.pixel(u * stride + tap % 3, v * stride + tap / 3);
+          for (std::size_t i = 0; i < picture.channels; ++i) sum += pixel[i] * layer.weights.row(o)[i * kTaps + tap];
+        }
+        result.pixel(u, v)[o] = std::clamp(sum, 0.0, layer.largest);
+      }
+  return result;
+}
 
 WholeLayer::WholeLayer(const ConvolutionLayer& layer, std::size_t channels, double input_step)
     : stride(static_cast<std::size_t>(layer.stride)),
