@@ -67,8 +67,9 @@ ImageNoise measure_noise(const GrayView& image) {
                 end_u = 1 + columns * (column + 1) / kCellGridColumns;
       if (first_u == end_u || first_v == end_v) continue;
       const Cell cell = cell_of(image, first_u, end_u, first_v, end_v);
+      if (!(cell.contrast_gray > 0.0)) continue;  // one level all over: masked out, or beyond what the sensor can tell
       contrast.push_back(cell.contrast_gray);
-      if (!cell.is_cut_off && cell.contrast_gray > 0.0) noise.push_back(cell.noise_gray);
+      if (!cell.is_cut_off) noise.push_back(cell.noise_gray);
     }
   return {noise.empty() ? 0.0 : quantile(noise, kCalm), contrast.empty() ? 0.0 : upper_median(contrast)};
 }

@@ -42,6 +42,14 @@ TEST(MeasureNoise, WhatIsCutOffAtWhiteDoesNotHideIt) {
   EXPECT_NEAR(measure_noise(view_of(half_white)).noise_gray, 6.0, 1.0);
 }
 
+TEST(MeasureNoise, WhatIsMaskedOutSaysNothing) {
+  cv::Mat right_part = scene(2.0);
+  right_part.colRange(0, 350).setTo(0);
+  const ImageNoise whole = measure_noise(view_of(scene(2.0))), masked = measure_noise(view_of(right_part));
+  EXPECT_NEAR(masked.noise_gray, whole.noise_gray, 0.2);
+  EXPECT_NEAR(masked.contrast_gray, whole.contrast_gray, 0.1 * whole.contrast_gray);
+}
+
 TEST(MeasureNoise, RealStreetsHaveLittle) {
   const auto streets = testing::find_data("kitti_stereo2012/image_0");
   if (!streets) GTEST_SKIP() << testing::absence("kitti_stereo2012");
