@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "flies/core/error.hpp"
+#include "flies/core/plausible.hpp"
 #include "flies/core/stereo_camera.hpp"
 #include "flies/rig/turned_images.hpp"
 
@@ -133,7 +134,20 @@ double most_lean_deg(const RigSolution& solution) {
   return most_deg;
 }
 
-void check_focal_length(const RigSolution& solution, std::vector<std::string>& notes) {
+/// Of both cameras as they are: rectification, which makes pixels square, would hide it.
+void check_each_camera(const RawStereo& raw, std::vector<std::string>& notes) {
+  for (const auto* camera : {&raw.left, &raw.right}) {
+    StereoCamera alone;
+    alone.fx_px = camera->matrix[0];
+    alone.fy_px = camera->matrix[4];
+    alone.width_px = raw.width_px;
+    const char* name = camera == &raw.left ? "left camera" : "right camera";
+    for (const auto& note : detail::check_focal_length(alone, kSource, name, camera->lens != Lens::brown))
+      notes.push_back(fmt::format("{}: {}", name, note));
+  }
+}
+
+void check_deviation(const RigSolution& solution, std::vector<std::string>& notes) {
   if (solution.focal_deviation <= kNotedDeviation) return;
   const auto known = fmt::format("known to {:.1f} % only", 100.0 * solution.focal_deviation);
   constexpr double kEnough_deg = 15.0;
@@ -157,7 +171,8 @@ std::vector<std::string> check_solution(const BoardTools& tools, const Board& bo
   std::vector<std::string> notes;
   require_fit(tools, board, pairs, solution);
   check_moment(solution, notes);
-  check_focal_length(solution, notes);
+  check_deviation(solution, notes);
+  check_each_camera(solution.raw, notes);
   require_side_by_side(solution.raw);
   return notes;
 }

@@ -121,6 +121,18 @@ TEST(CheckSolution, RefusesBoardsThatNeverLeanHoweverSharp) {
   EXPECT_THAT(checked(scene.pairs()), ElementsAre(HasSubstr("all ranges may be as wrong")));
 }
 
+TEST(CheckSolution, NotesImagesThatWereStretched) {
+  const Scene scene;
+  auto pairs = scene.pairs();
+  for (auto& pair : pairs)
+    for (auto* board : {&pair.left, &pair.right})
+      for (auto& corner : board->corners) corner.v_px *= 0.8;
+  const auto of_camera = [](const char* name) {
+    return AllOf(HasSubstr(name), HasSubstr("1.25 times the vertical one"), HasSubstr("stretched"));
+  };
+  EXPECT_THAT(checked(pairs), ElementsAre(of_camera("left camera: "), of_camera("right camera: ")));
+}
+
 TEST(CheckSolution, FocalDeviationIsThatOfTheFocalLength) {
   Scene scene;
   scene.noise_px = 0.3;
