@@ -1,5 +1,9 @@
 #include "flies/ego/follow_corners.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,6 +29,31 @@ constexpr float kMaxRowError_px = 1.0F;               // matches left to right t
 const cv::Size kWindow(13, 13);
 const cv::TermCriteria kUntil(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 10, 0.02);
 constexpr double kMinEigenvalue = 1e-3;
+
+/// Calls `run(first, last)` for parts of so many corners, beside each other where the arena has idle threads. Whoever
+/// waits for the last part takes up no other work: that might wait for the motion which is being found here.
+template <class Run>
+void in_parts(std::size_t corners, const Run& run) {
+  constexpr std::size_t kCornersPerTask = 64;
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, corners, kCornersPerTask),
+                      [&](const auto& part) { run(part.begin(), part.end()); });
+  });
+}
+
+/// Lucas and Kanade's method, of OpenCV, from the guesses in `to`. @returns which corners were found
+std::vector<std::uint8_t> follow(const std::vector<cv::Mat>& from_pyramid, const std::vector<cv::Mat>& to_pyramid,
+                                 std::vector<cv::Point2f>& from, std::vector<cv::Point2f>& to, int levels) {
+  std::vector<std::uint8_t> is_found(from.size());
+  in_parts(from.size(), [&](std::size_t first, std::size_t last) {
+    const auto rows = static_cast<int>(last - first);
+    const cv::Mat part_from(rows, 1, CV_32FC2, &from[first]);
+    cv::Mat part_to(rows, 1, CV_32FC2, &to[first]), part_found(rows, 1, CV_8UC1, &is_found[first]);
+    cv::calcOpticalFlowPyrLK(from_pyramid, to_pyramid, part_from, part_to, part_found, cv::noArray(), kWindow, levels,
+                             kUntil, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
+  });
+  return is_found;
+}
 
 cv::Mat scaled(const GrayView& view, int scale) {
   if (scale == 1) return mat_of(view);
@@ -110,14 +139,19 @@ PreparedPair prepare(const RectifiedPair& pair, double min_disparity_px, const E
                               cv::BORDER_CONSTANT, false);
 
   const int min_px = static_cast<int>(std::floor(min_disparity_px / scale));
+  const auto corners = spread_corners(left, options.corners);
+  std::vector<std::optional<int>> whole_px(corners.size());
+  in_parts(corners.size(), [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      whole_px[i] = search_disparity(left, right, cvRound(corners[i].x), cvRound(corners[i].y), min_px,
+                                     min_px + kMaxDisparity_px / scale);
+  });
   std::vector<cv::Point2f> left_px;
   std::vector<float> guess_px;
-  for (const auto& p : spread_corners(left, options.corners)) {
-    const int u = cvRound(p.x), v = cvRound(p.y);
-    const auto disparity = search_disparity(left, right, u, v, min_px, min_px + kMaxDisparity_px / scale);
-    if (!disparity) continue;
-    left_px.push_back(to_full(p, scale));
-    guess_px.push_back(static_cast<float>(*disparity * scale));
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (!whole_px[i]) continue;
+    left_px.push_back(to_full(corners[i], scale));
+    guess_px.push_back(static_cast<float>(*whole_px[i] * scale));
   }
   const auto disparities_px = disparities_near(prepared, left_px, guess_px);
   for (std::size_t i = 0; i < left_px.size(); ++i)
@@ -134,11 +168,9 @@ std::vector<float> disparities_near(const PreparedPair& pair, const std::vector<
     in_left.push_back(to_scaled(left_px[i], pair.scale));
     in_right.push_back(to_scaled({left_px[i].x - guess_px[i], left_px[i].y}, pair.scale));
   }
-  std::vector<std::uint8_t> status;
-  cv::calcOpticalFlowPyrLK(pair.left_pyramid, pair.right_pyramid, in_left, in_right, status, cv::noArray(), kWindow, 0,
-                           kUntil, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
+  const auto is_found = follow(pair.left_pyramid, pair.right_pyramid, in_left, in_right, 0);
   for (std::size_t i = 0; i < in_left.size(); ++i)
-    if (status[i] && std::abs(in_left[i].y - in_right[i].y) <= kMaxRowError_px)
+    if (is_found[i] && std::abs(in_left[i].y - in_right[i].y) <= kMaxRowError_px)
       disparities_px[i] = static_cast<float>(pair.scale) * (in_left[i].x - in_right[i].x);
   return disparities_px;
 }
@@ -150,14 +182,12 @@ std::vector<cv::Point2f> follow_corners(const PreparedPair& before, const Prepar
   for (const auto& corner : before.corners) from.push_back(to_scaled(corner.left_px, before.scale));
   for (const auto& guess : guess_px) to.push_back(to_scaled(guess, now.scale));
   if (from.empty()) return {};
-  std::vector<std::uint8_t> status;
-  cv::calcOpticalFlowPyrLK(before.left_pyramid, now.left_pyramid, from, to, status, cv::noArray(), kWindow, kLevels,
-                           kUntil, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
+  const auto is_found = follow(before.left_pyramid, now.left_pyramid, from, to, kLevels);
   const auto width = static_cast<float>(now.left_pyramid[0].cols),
              height = static_cast<float>(now.left_pyramid[0].rows);
   for (std::size_t i = 0; i < to.size(); ++i) {
     const bool inside = to[i].x >= 0.0F && to[i].y >= 0.0F && to[i].x < width && to[i].y < height;
-    to[i] = status[i] && inside ? to_full(to[i], now.scale) : cv::Point2f(kNone, kNone);
+    to[i] = is_found[i] && inside ? to_full(to[i], now.scale) : cv::Point2f(kNone, kNone);
   }
   return to;
 }

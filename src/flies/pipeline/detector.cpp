@@ -16,48 +16,47 @@
 namespace flies {
 namespace {
 
-/// Runs something and adds how long it took, in milliseconds.
-template <class Run>
-auto timed(double& total_ms, const Run& run) {
-  const auto start = std::chrono::steady_clock::now();
-  auto result = run();
-  const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
-  total_ms += elapsed.count();
-  return result;
-}
+/// Adds how long its life took, in milliseconds.
+class Stopwatch {
+ public:
+  Stopwatch(StageTimes_ms& stage_ms, Stage stage) : total_ms_(stage_ms[static_cast<std::size_t>(stage)]) {}
+  ~Stopwatch() { total_ms_ += std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
 
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& total_ms_;
+  Clock::time_point start_ = Clock::now();
+};
+
+/// Runs something and adds how long it took.
 template <class Run>
 auto timed(StageTimes_ms& stage_ms, Stage stage, const Run& run) {
-  return timed(stage_ms[static_cast<std::size_t>(stage)], run);
+  const Stopwatch watch(stage_ms, stage);
+  return run();
 }
 
-/// Something that another of the arena's threads works out while this one goes on; this one does when it asks for it
-/// and no other had time. It is waited for even when nobody asks.
-template <class Result>
+/// Work that another of the arena's threads does while this one goes on; this one does it when it waits for it and no
+/// other had time. It is waited for in any case.
 class Meanwhile {
  public:
-  Meanwhile() = default;
+  template <class Run>
+  explicit Meanwhile(const Run& run) {
+    group_.run(run);
+  }
   ~Meanwhile() {
     try {
       group_.wait();
-    } catch (...) {  // what `get` would have thrown, had it come to that
+    } catch (...) {  // what `wait` would have thrown, had it come to that
     }
   }
   Meanwhile(const Meanwhile&) = delete;
   Meanwhile& operator=(const Meanwhile&) = delete;
 
-  template <class Run>
-  void start(const Run& run) {
-    group_.run([this, run] { result_ = run(); });
-  }
-  /// @returns what came out, or a default where nothing was started
-  Result& get() {
-    group_.wait();
-    return result_;
-  }
+  void wait() { group_.wait(); }
 
  private:
-  Result result_{};
   tbb::task_group group_;
 };
 
@@ -72,12 +71,6 @@ Obstacle where_now(const Pedestrian& person, const PlanarMotion& moved) {
   place.width_m = kWidth_m;
   place.height_m = person.height_m;
   return place;
-}
-
-/// Calls `run` without taking up, while it waits for its own loops, what was started beside it.
-template <class Run>
-auto undistracted(const Run& run) {
-  return tbb::this_task_arena::isolate(run);
 }
 
 }  // namespace
@@ -144,36 +137,35 @@ Detection Detector::detect(const RectifiedPair& pair, const MotionSource& motion
 
 std::optional<PlanarMotion> Detector::find_obstacles(const RectifiedPair& pair, const MotionSource& source,
                                                      Detection& d) {
-  Meanwhile<std::optional<PlanarMotion>> motion;
-  if (source) motion.start([&] { return source(); });
   d.road = timed(d.stage_ms, Stage::road, [&] { return estimate_road(pair, projection_, options_.road); });
   const RoadPlane& road = d.road.plane;
   const FieldOptions field = detail::lived_in(options_.field, camera_);
   EvolveOptions evolve = options_.evolve;
   evolve.flies = detail::flies_in(field, options_.field, evolve.flies);
-  const auto scan = [&](const Population& flies) {
-    double waiting_ms = 0.0;  // for the motion, which is no part of the scan
-    const auto moved = [&] { return timed(waiting_ms, [&] { return motion.get(); }); };
-    auto result = timed(d.stage_ms, Stage::scan, [&] {
-      return scanner_.scan(pair, projection_, road, flies, options_.field, options_.scan, moved);
-    });
-    d.stage_ms[static_cast<std::size_t>(Stage::scan)] -= waiting_ms;
-    return result;
+  const auto look = [&](const Population& flies) {
+    timed(d.stage_ms, Stage::scan,
+          [&] { scanner_.look(pair, projection_, road, flies, options_.field, options_.scan); });
   };
   const bool scan_asks_flies = options_.scan.evidence.fly > 0.0;
-  Meanwhile<Scan> scanned;
-  if (!scan_asks_flies) scanned.start([&] { return scan({}); });
-  d.evolved = timed(d.stage_ms, Stage::evolve, [&] {
-    return undistracted([&] {
+  Meanwhile flies([&] {
+    d.evolved = timed(d.stage_ms, Stage::evolve, [&] {
       return evolver_.evolve(pair, projection_, road, field, options_.fitness, evolve, {options_.seed, frame_},
                              last_obstacles_);
     });
+    d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
+      return concentrator_.concentrate(d.evolved.flies, projection_, road, field, options_.concentrate);
+    });
+    if (scan_asks_flies) look(d.evolved.flies);
   });
-  d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
-    return undistracted(
-        [&] { return concentrator_.concentrate(d.evolved.flies, projection_, road, field, options_.concentrate); });
+  Meanwhile cells([&] {
+    if (!scan_asks_flies) look({});
   });
-  d.scan = scan_asks_flies ? scan(d.evolved.flies) : std::move(scanned.get());
+  // What takes longest begins at once: this thread runs already, another may be late.
+  const std::optional<PlanarMotion> motion = source ? source() : std::nullopt;
+  cells.wait();
+  flies.wait();
+  d.scan = timed(d.stage_ms, Stage::scan,
+                 [&] { return scanner_.decide(pair, projection_, road, options_.field, options_.scan, motion); });
   const auto is_ghost = [&](const Obstacle& obstacle) {
     return obstacle.x_m > options_.field.x_max_m || detail::is_seen_through(obstacle, d.scan);
   };
@@ -181,7 +173,7 @@ std::optional<PlanarMotion> Detector::find_obstacles(const RectifiedPair& pair, 
   d.obstacles = timed(d.stage_ms, Stage::concentrate, [&] {
     return whole_obstacles(d.concentrate.obstacles, d.scan, projection_, road, options_.concentrate.whole);
   });
-  return motion.get();
+  return motion;
 }
 
 void Detector::find_pedestrians(const RectifiedPair& pair, const std::optional<PlanarMotion>& moved,

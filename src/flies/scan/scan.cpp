@@ -191,12 +191,18 @@ void check_scan_options(const ScanOptions& options, const std::string& source) {
                      fmt::format("the interval {}..{} m is empty", options.z_min_m, options.z_max_m));
 }
 
-Scan Scanner::scan(const RectifiedPair& given, const Projection& projection, const RoadPlane& road,
+Scan Scanner::scan(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road,
                    const Population& flies, const FieldOptions& field, const ScanOptions& options,
-                   const MotionSource& motion) {
+                   const std::optional<PlanarMotion>& motion) {
+  look(pair, projection, road, flies, field, options);
+  return decide(pair, projection, road, field, options, motion);
+}
+
+void Scanner::look(const RectifiedPair& given, const Projection& projection, const RoadPlane& road,
+                   const Population& flies, const FieldOptions& field, const ScanOptions& options) {
   check_scan_options(options, "scan options");
   check_field(field, "field options");
-  if (!options.enable) return {};
+  if (!options.enable) return;
   const RectifiedPair pair = detail::usable_pair(given);
   lay_out_cells(pair, projection, road, options, layout_);
   if (layout_.bands > 0)
@@ -221,7 +227,13 @@ Scan Scanner::scan(const RectifiedPair& given, const Projection& projection, con
   doubt_columns(blind_columns(pair, layout_, options.cells.row_step), points_);
   std::swap(evidence_, before_);
   evidence_.collect(layout_, points_, flies, projection, road, options);
-  if (const auto known = motion ? motion() : std::nullopt) evidence_.recall(before_, *known);
+}
+
+Scan Scanner::decide(const RectifiedPair& given, const Projection& projection, const RoadPlane& road,
+                     const FieldOptions& field, const ScanOptions& options, const std::optional<PlanarMotion>& motion) {
+  if (!options.enable) return {};
+  const RectifiedPair pair = detail::usable_pair(given);
+  if (motion) evidence_.recall(before_, *motion);
   auto& labels =
       find_best_path({evidence_.costs(), evidence_.columns(), evidence_.labels()}, options.evidence, path_memory_);
   trim_surfaces(evidence_, options.evidence, labels);

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "flies/core/field.hpp"
 #include "flies/core/fly.hpp"
 #include "flies/core/gray_view.hpp"
+#include "flies/core/planar_motion.hpp"
 #include "flies/core/road.hpp"
 #include "flies/core/scan.hpp"
 #include "flies/core/stereo_camera.hpp"
@@ -35,10 +37,17 @@ Scan scan(const RectifiedPair& pair, const Projection& projection, const RoadPla
 /// The same for pair after pair, whose evidence adds up where the motion between them is known. Threads: one at a time.
 class Scanner {
  public:
-  /// @param motion from the pair before to this one, asked for once, late: what was known then still counts
-  ///               (`ScanOptions::memory`); where it is not known, or there is no such function, it is forgotten
+  /// @param motion from the pair before to this one: what was known then still counts (`EvidenceOptions::memory`);
+  ///               where it is not known, it is forgotten
   Scan scan(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road, const Population& flies,
-            const FieldOptions& field, const ScanOptions& options, const MotionSource& motion = {});
+            const FieldOptions& field, const ScanOptions& options, const std::optional<PlanarMotion>& motion = {});
+
+  /// The first half of `scan`: what this pair shows by itself. The motion may be measured meanwhile.
+  void look(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road, const Population& flies,
+            const FieldOptions& field, const ScanOptions& options);
+  /// The second half, for what `look` was given last.
+  Scan decide(const RectifiedPair& pair, const Projection& projection, const RoadPlane& road, const FieldOptions& field,
+              const ScanOptions& options, const std::optional<PlanarMotion>& motion);
 
  private:
   CellLayout layout_;

@@ -216,7 +216,7 @@ TEST(Scan, GivesTheSameAfterOtherPairs) {
 }
 
 Scan next_scan(Scanner& scanner, const Drawn& drawn, std::optional<PlanarMotion> motion = {}) {
-  return scanner.scan(drawn.pair(), Projection(camera()), {}, {}, {}, {}, [&] { return motion; });
+  return scanner.scan(drawn.pair(), Projection(camera()), {}, {}, {}, {}, motion);
 }
 
 TEST(Scanner, RemembersWhatStoodWhereNothingCanBeSeen) {
