@@ -122,13 +122,21 @@ PixelFormat format_of(const std::string& encoding, const std::string& name) {
       fmt::format("found '{}', expected {}, or bayer_rggb8 and the like", encoding, fmt::join(known, ", ")));
 }
 
-cv::Mat plain_picture(RosFields& fields, const std::string& name) {
+[[noreturn]] void refuse_colours(const std::string& name) {
+  throw InputError(name, "pixels", "found colours, expected the grey levels of a mosaic (--bayer)");
+}
+
+bool is_gray(const PixelFormat& format) { return CV_MAT_CN(format.type) == 1 && !format.encoding.starts_with("nv"); }
+
+cv::Mat plain_picture(RosFields& fields, const std::string& name, std::optional<BayerPattern> mosaic) {
   const auto height = fields.number<std::uint32_t>(), width = fields.number<std::uint32_t>();
   const std::string encoding = fields.text();
   const bool is_big_endian = fields.number<std::uint8_t>() != 0;
   const auto step = fields.number<std::uint32_t>();
   const std::string_view data = fields.byte_list();
   const PixelFormat format = format_of(encoding, name);
+  if (mosaic && !is_gray(format)) refuse_colours(name);
+  if (format.mosaic) mosaic = format.mosaic;
   const auto pixel_bytes = static_cast<std::uint64_t>(CV_ELEM_SIZE(format.type));
   if (width == 0 || height == 0 || width > kMaxSide_px || height > kMaxSide_px || step < width * pixel_bytes ||
       data.size() < std::uint64_t{step} * (height - 1) + width * pixel_bytes)
@@ -143,26 +151,37 @@ cv::Mat plain_picture(RosFields& fields, const std::string& name) {
     for (auto level = levels.begin<std::uint16_t>(); level != levels.end<std::uint16_t>(); ++level)
       *level = static_cast<std::uint16_t>(*level << 8 | *level >> 8);
   }
-  if (format.mosaic) return demosaiced(pixels, *format.mosaic);
+  if (mosaic) return demosaiced(pixels, *mosaic);
   cv::Mat gray = pixels;
   if (format.conversion >= 0) cv::cvtColor(pixels, gray, format.conversion);
   return gray;
 }
 
-cv::Mat compressed_picture(RosFields& fields, const std::string& name) {
-  fields.text();  // the format, which the bytes tell as well
-  return picture_of_file(fields.byte_list(), name);
+/// The pixels of a file, grey or in colours.
+cv::Mat decoded(std::string_view bytes, const std::string& name) {
+  if (const auto fault = detail::image_file_fault(std::string(bytes)); !fault.empty())
+    throw InputError(name, "", fault);
+  cv::Mat pixels = decode_image(bytes);
+  if (pixels.empty() || (pixels.depth() != CV_8U && pixels.depth() != CV_16U))
+    throw InputError(name, "", "is no picture of 8 or 16 bits");
+  return pixels;
+}
+
+cv::Mat compressed_picture(RosFields& fields, const std::string& name, std::optional<BayerPattern> mosaic) {
+  const auto own = ros_bayer_pattern(fields.text());
+  const std::string_view bytes = fields.byte_list();
+  if (!own) return picture_of_file(bytes, name, mosaic);
+  const cv::Mat pixels = decoded(bytes, name);  // in which colours may have been made of the mosaic, unsaid
+  return pixels.channels() == 1 ? demosaiced(pixels, *own) : gray_levels(pixels);
 }
 
 }  // namespace
 
-cv::Mat picture_of_file(std::string_view bytes, const std::string& name) {
-  if (const auto fault = detail::image_file_fault(std::string(bytes)); !fault.empty())
-    throw InputError(name, "", fault);
-  const cv::Mat pixels = decode_image(bytes);
-  if (pixels.empty() || (pixels.depth() != CV_8U && pixels.depth() != CV_16U))
-    throw InputError(name, "", "is no picture of 8 or 16 bits");
-  return gray_levels(pixels);
+cv::Mat picture_of_file(std::string_view bytes, const std::string& name, std::optional<BayerPattern> mosaic) {
+  const cv::Mat pixels = decoded(bytes, name);
+  if (!mosaic) return gray_levels(pixels);
+  if (pixels.channels() > 1) refuse_colours(name);
+  return demosaiced(pixels, *mosaic);
 }
 
 RosType ros_type(const RecordedMessage& message) {
@@ -192,17 +211,25 @@ std::string ros_picture_format(const RecordedMessage& message, const std::string
 }
 
 std::optional<BayerPattern> ros_bayer_pattern(std::string_view format) {
-  constexpr std::string_view kMosaic = "bayer_";
+  constexpr std::string_view kMosaic = "bayer_", kCompressed = " compressed ";
+  if (const auto end = format.find(';'); end != format.npos) {
+    const auto at = format.find(kCompressed);  // what was compressed follows, where it is not the picture itself
+    if (at != format.npos && at + kCompressed.size() < format.size() &&
+        !ros_bayer_pattern(format.substr(at + kCompressed.size())))
+      return std::nullopt;
+    format = format.substr(0, end);
+  }
   if (!format.starts_with(kMosaic) || !(format.ends_with("8") || format.ends_with("16"))) return std::nullopt;
   format.remove_prefix(kMosaic.size());
   format.remove_suffix(format.ends_with("8") ? 1 : 2);
   return bayer_pattern_of(std::string(format));
 }
 
-cv::Mat ros_picture(const RecordedMessage& message, const std::string& name) {
+cv::Mat ros_picture(const RecordedMessage& message, const std::string& name, std::optional<BayerPattern> mosaic) {
   RosFields fields(message, name);
   fields.header();
-  return ros_type(message) == RosType::image ? plain_picture(fields, name) : compressed_picture(fields, name);
+  return ros_type(message) == RosType::image ? plain_picture(fields, name, mosaic)
+                                             : compressed_picture(fields, name, mosaic);
 }
 
 RosCameraInfo ros_camera_info(const RecordedMessage& message, const std::string& name) {

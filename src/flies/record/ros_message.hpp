@@ -28,18 +28,23 @@ std::uint64_t ros_stamp_ns(const RecordedMessage& message, const std::string& na
 /// @throws InputError when the message ends too early
 std::string ros_picture_format(const RecordedMessage& message, const std::string& name);
 
-/// The pattern of a mosaic of colours; nothing of other formats.
+/// The pattern of a mosaic of colours, of 8 or 16 bits; nothing of other formats. Of a CompressedImage too, where its
+/// format does not say that colours were made of the mosaic before: "bayer_rggb8; jpeg compressed ".
 std::optional<BayerPattern> ros_bayer_pattern(std::string_view format);
 
 /// The picture of an image message: grey levels of 8 or 16 bits, for `pair_of_levels`. Image: mono, rgb, bgr, rgba and
 /// bgra of 8 or 16 bits, 8UC1, 8UC3, 8UC4, 16UC1, 16UC3, yuv422 (uyvy), yuv422_yuy2 (yuyv), nv12, nv21, nv24 and Bayer
-/// mosaics of 8 or 16 bits. CompressedImage: JPEG or PNG.
-/// @throws InputError naming the message: another encoding, too few bytes, a damaged picture
-cv::Mat ros_picture(const RecordedMessage& message, const std::string& name);
+/// mosaics of 8 or 16 bits. CompressedImage: JPEG or PNG, of a mosaic too.
+/// @param mosaic what the user says that grey pictures are, where they do not say themselves that they are a mosaic
+/// @throws InputError naming the message: another encoding, too few bytes, a damaged picture, colours where the user
+///         says that it is a mosaic
+cv::Mat ros_picture(const RecordedMessage& message, const std::string& name,
+                    std::optional<BayerPattern> mosaic = std::nullopt);
 
 /// The same of a JPEG or PNG file in memory.
 /// @throws InputError naming it
-cv::Mat picture_of_file(std::string_view bytes, const std::string& name);
+cv::Mat picture_of_file(std::string_view bytes, const std::string& name,
+                        std::optional<BayerPattern> mosaic = std::nullopt);
 
 /// sensor_msgs/CameraInfo. All numbers are of the pixels of whole images.
 struct RosCameraInfo {

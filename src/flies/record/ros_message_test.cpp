@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
+#include <optional>
+#include <string>
 
 #include "flies/core/error.hpp"
 #include "flies/io/image_codecs.hpp"
@@ -89,6 +91,41 @@ TEST_P(RosMessage, MosaicsBecomeGreyByTheirOwnPattern) {
   EXPECT_NEAR(middle("bayer_bggr8"), 0.114 * 200, 1.0);
   EXPECT_EQ(ros_bayer_pattern("bayer_gbrg16"), BayerPattern::gbrg);
   EXPECT_EQ(ros_bayer_pattern("bayer_gbrg8; jpeg compressed bgr8"), std::nullopt) << "colours already";
+  EXPECT_EQ(ros_bayer_pattern("bayer_gbrg8; jpeg compressed mono8"), std::nullopt) << "grey already";
+  for (const char* of_mosaic :
+       {"bayer_gbrg8; jpeg compressed ", "bayer_gbrg8; png compressed bayer_gbrg8", "bayer_gbrg16; png", "bayer_gbrg8"})
+    EXPECT_EQ(ros_bayer_pattern(of_mosaic), BayerPattern::gbrg) << of_mosaic;
+  EXPECT_EQ(ros_bayer_pattern("mono8; jpeg compressed "), std::nullopt);
+}
+
+TEST_P(RosMessage, CompressedMosaicsBecomeGreyByTheirFormatOrAsTheUserSays) {
+  const bool is_cdr = GetParam();
+  constexpr int kSide = 8;
+  cv::Mat red(kSide, kSide, CV_8UC1, cv::Scalar(0));  // on every second pixel of every second row, from the first on
+  for (int v = 0; v < kSide; v += 2)
+    for (int u = 0; u < kSide; u += 2) red.at<std::uint8_t>(v, u) = 200;
+  const auto picture = [&](const char* format, const cv::Mat& pixels, std::optional<BayerPattern> said) -> cv::Mat {
+    const auto encoded = encode_png(pixels);
+    const std::string png(encoded.begin(), encoded.end());
+    const auto data = testing::RosBytes(is_cdr).header(1, 2).text(format).list(png).bytes();
+    return ros_picture(message_of(is_cdr, "CompressedImage", data), "m", said);
+  };
+  const auto middle = [&](const char* format, std::optional<BayerPattern> said = std::nullopt) {
+    return static_cast<int>(picture(format, red, said).at<std::uint8_t>(4, 4));
+  };
+  constexpr double kRed = 0.299 * 200, kBlue = 0.114 * 200;  // ITU-R BT.601
+  EXPECT_NEAR(middle("bayer_rggb8; png compressed "), kRed, 1.0);
+  EXPECT_NEAR(middle("bayer_bggr8"), kBlue, 1.0);
+  EXPECT_NEAR(middle("bayer_rggb8", BayerPattern::bggr), kRed, 1.0) << "the message knows better";
+  EXPECT_EQ(middle("mono8; png compressed "), 200);
+  EXPECT_NEAR(middle("mono8; png compressed ", BayerPattern::bggr), kBlue, 1.0);
+  const cv::Mat colours(kSide, kSide, CV_8UC3, cv::Scalar(0, 0, 200));
+  EXPECT_NEAR(picture("bayer_rggb8", colours, std::nullopt).at<std::uint8_t>(4, 4), kRed, 1.0);
+  EXPECT_THAT([&] { picture("bgr8; png compressed bgr8", colours, BayerPattern::rggb); },
+              ThrowsMessage<InputError>(HasSubstr("m: pixels: found colours, expected the grey levels of a mosaic")));
+  const auto plain = testing::ros_image(is_cdr, 1, 2, 1, "bgr8", 6, "abcdef");
+  EXPECT_THAT([&] { ros_picture(message_of(is_cdr, "Image", plain), "m", BayerPattern::rggb); },
+              ThrowsMessage<InputError>(HasSubstr("found colours")));
 }
 
 TEST_P(RosMessage, OfPlanesTheGreyOneCounts) {
