@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -88,6 +89,35 @@ TEST_F(OddBags, CalibrationThatChangesIsTold) {
               HasSubstr(fmt::format("/rig/right/camera_info changes during the recording: Tx in P ({:g}, then {:g}); ",
                                     -c.fx_px * c.baseline_m, -0.5 * c.fx_px * c.baseline_m)));
   EXPECT_THAT(track({}).err, Not(HasSubstr("changes")));
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(track({.distortion = {none, 0, 0, 0, 0}}).err, Not(HasSubstr("changes")));
+}
+
+/// Messages of pictures, connections 0 and 1.
+std::string pictures(std::uint64_t time_ns, bool has_right = true) {
+  const auto& [left, right] = street_pair();
+  const auto message = [&](std::uint32_t connection, const cv::Mat& picture) {
+    return BagBytes::message(
+        {connection, time_ns,
+         ros_image(false, time_ns, picture.cols, picture.rows, "mono8", picture.cols, pixels_of(picture))});
+  };
+  return message(0, left) + (has_right ? message(1, right) : "");
+}
+
+TEST_F(OddBags, TimesAtARateJumpWherePairsAreMissing) {
+  const auto times_of = [&](const std::string& more) {
+    const RunResult result =
+        track({.right_delay_ns = 0, .after = BagBytes::chunk("none", more, more.size())}, {"--rate", "5"});
+    EXPECT_THAT(result.err, HasSubstr("drive.bag: pairs 2 and 3 are farther apart than others: pairs are missing"));
+    std::vector<double> times_s;
+    for (const auto& line : lines(result.out)) times_s.push_back(json::parse(line).at("time_s"));
+    return times_s;
+  };
+  const auto jump = ::testing::Pointwise(::testing::DoubleNear(1e-9), {0.0, 0.2, 0.4, 0.8});
+  EXPECT_THAT(times_of(pictures(kStart_ns + 400'000'000U)), jump) << "of both cameras, as the stamps say";
+  EXPECT_THAT(times_of(pictures(kStart_ns + 330'000'000U, false) + pictures(kStart_ns + 450'000'000U)), jump)
+      << "of one camera, where stamps are uneven";
+  EXPECT_THAT(track({}, {"--rate", "5"}).err, Not(HasSubstr("missing")));
 }
 
 TEST_F(OddBags, CamerasThatAreNotCalibratedYetArePassedOver) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -138,6 +139,109 @@ TEST(FoxgloveRecordings, PicturesAreInPairsByTheirStampsAndCalibrationStandsBesi
             "flies: street.mcap /cam/left/calibration: K: found 2 numbers, expected 9\n");
 }
 
+/// Pictures of both cameras 0.1 s after each other as they were recorded, with these stamps.
+void write_stamped(const std::filesystem::path& path, const std::vector<json>& stamps) {
+  const auto& [left, right] = street_pair();
+  std::vector<JsonMessage> messages;
+  for (const bool is_right : {false, true}) {
+    const std::string side = is_right ? "/cam/right/" : "/cam/left/";
+    messages.push_back({side + "calibration", calibration_message(is_right), "foxglove.CameraCalibration"});
+    json picture = json::parse(picture_message(is_right ? right : left));
+    picture["meta"] = {{"timestamp", {{"sec", 5}, {"nsec", 0}}}};  // of something else
+    for (std::size_t i = 0; i < stamps.size(); ++i) {
+      picture["timestamp"] = stamps[i];
+      messages.push_back({side + "image", picture.dump(), "foxglove.CompressedImage", kStart_ns + i * 100'000'000U});
+    }
+  }
+  write_mcap(path, messages);
+}
+
+TEST(FoxgloveRecordings, StampsAreReadInAllTheirFormsOrTold) {
+  const TestFolder folder;
+  const auto track = [&](const std::vector<json>& stamps) {
+    write_stamped(folder.path() / "street.mcap", stamps);
+    const RunResult result =
+        run_flies(folder.path(), {"track", "street.mcap", "--camera-height", "1.65", "--json", "-"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    std::vector<double> times_s;
+    for (const auto& line : lines(result.out)) times_s.push_back(json::parse(line).at("time_s"));
+    return std::pair(times_s, result.err);
+  };
+  const std::vector<std::array<json, 2>> forms = {
+      {json{{"sec", 1'700'000'000.0}, {"nsec", 0.0}}, json{{"sec", 1'700'000'000.0}, {"nsec", 5e7}}},
+      {json{{"sec", "1700000000"}, {"nsec", "0"}}, json{{"sec", "1700000000"}, {"nsec", "50000000"}}},
+      {json{{"seconds", 1'700'000'000}}, json{{"seconds", 1'700'000'000}, {"nanos", 50'000'000}}},
+      {json{{"secs", 1'700'000'000}, {"nsecs", 0}}, json{{"sec", 1'700'000'000}, {"nanosec", 50'000'000}}},
+      {"2023-11-14T22:13:20Z", "2023-11-14T22:13:20.050Z"},
+      {"2023-11-14T23:13:20+01:00", "2023-11-14T20:43:20.050000-01:30"}};
+  for (const auto& [first, second] : forms) {
+    const auto [times_s, err] = track({first, second});
+    EXPECT_THAT(times_s, ::testing::ElementsAre(0.0, ::testing::DoubleNear(0.05, 1e-9))) << first << err;
+    EXPECT_THAT(err, ::testing::Not(HasSubstr("stamp"))) << first;
+  }
+  const auto [unread_s, unread] = track({"yesterday", "2023-13-14T22:13:20Z"});
+  EXPECT_THAT(unread_s, ::testing::ElementsAre(0.0, ::testing::DoubleNear(0.1, 1e-9)));
+  EXPECT_THAT(unread, HasSubstr("street.mcap: the stamps of 2 pictures of /cam/left/image cannot be read"));
+
+  const auto from_boot = [](int nsec) { return json{{"sec", 5}, {"nsec", nsec}}; };
+  const json zero = {{"sec", 0}, {"nsec", 0}};
+  const std::vector<std::vector<json>> with_zeros = {{zero, from_boot(100'000'000), from_boot(200'000'000)},
+                                                     {from_boot(0), zero, from_boot(200'000'000)}};
+  for (const auto& stamps : with_zeros) {
+    const auto [times_s, err] = track(stamps);
+    EXPECT_THAT(times_s, ::testing::Pointwise(::testing::DoubleNear(1e-9), {0.0, 0.1, 0.2}));
+    EXPECT_THAT(err, HasSubstr("1 pictures of /cam/left/image have no stamp (0)"));
+  }
+}
+
+TEST(FoxgloveRecordings, OthersThatUseOurTopicsAreReadAsTheySay) {
+  const TestFolder folder;
+  const auto& [left, right] = street_pair();
+  const auto track = [&](const std::vector<std::pair<std::string, json>>& calibrations) {
+    std::vector<JsonMessage> messages = {{"/left", picture_message(left)}, {"/right", picture_message(right)}};
+    for (const auto& [topic, calibration] : calibrations) messages.push_back({topic, calibration.dump()});
+    write_mcap(folder.path() / "street.mcap", messages);
+    return run_flies(folder.path(), {"track", "street.mcap", "--mount", "given", "--json", "-"});
+  };
+  const auto nearest_m = [](const RunResult& result) {
+    EXPECT_EQ(result.status, 0) << result.err;
+    return json::parse(lines(result.out).at(0)).at("obstacles").at(0).at("range_m").get<double>();
+  };
+  const json of_left = json::parse(calibration_message(false)), of_right = json::parse(calibration_message(true));
+  const RunResult plain = track({{"/left/calibration", of_left}, {"/right/calibration", of_right}});
+  EXPECT_THAT(plain.err, ::testing::Not(HasSubstr("rectified first")));
+  EXPECT_THAT(plain.err, ::testing::Not(HasSubstr("changes")));
+
+  json bent = of_left;
+  bent["D"] = {-0.3, 0.1, 0, 0, 0};
+  EXPECT_THAT(track({{"/left/calibration", bent}, {"/right/calibration", of_right}}).err,
+              HasSubstr("taken as raw and rectified first"));
+  json ahead = of_left, behind = of_right;  // the same distance, from a place between the cameras
+  const double shift = of_right["P"][3].get<double>();
+  ahead["P"][3] = -0.5 * shift;
+  behind["P"][3] = 0.5 * shift;
+  EXPECT_NEAR(nearest_m(track({{"/left/calibration", ahead}, {"/right/calibration", behind}})), nearest_m(plain), 1e-6);
+  EXPECT_THAT(
+      track({{"/left/calibration", of_left}, {"/right/calibration", of_right}, {"/right/calibration", behind}}).err,
+      HasSubstr("/right/calibration changes during the recording: Tx in P"));
+
+  const auto mount = [](double height_m) {
+    return json{{"translation", {{"x", 0}, {"y", 0}, {"z", height_m}}},
+                {"rotation", {{"x", -0.5}, {"y", 0.5}, {"z", -0.5}, {"w", 0.5}}}};
+  };
+  const auto mounted = [&](double first_m, double then_m) {
+    return track({{"/left/calibration", of_left},
+                  {"/right/calibration", of_right},
+                  {"/tf/camera", mount(first_m)},
+                  {"/tf/camera", mount(then_m)}})
+        .err;
+  };
+  EXPECT_THAT(mounted(1.65, 1.0),
+              HasSubstr("the mount of the camera changes during the recording (1.65 m high, 0 degrees "
+                        "down and 0 to the right; then 1 m high,"));
+  EXPECT_THAT(mounted(1.65, 1.65), ::testing::Not(HasSubstr("changes")));
+}
+
 TEST(Recordings, ChannelsWithoutASchemaAreNamed) {
   const TestFolder folder;
   write_mcap(folder.path() / "street.mcap", {{"/left/image", "x"}}, "cdr");
@@ -220,7 +324,7 @@ TEST(OwnRecordings, FaultsOfTheirCalibrationAreNamed) {
                                     "flies does not read: /left (foxglove.RawImage in json): 1, /right"));
   const RunResult short_one = run(R"({"P": [1, 2, 3]})");
   EXPECT_EQ(short_one.status, 2);
-  EXPECT_EQ(short_one.err, "flies: street.mcap: /left/calibration P: found 3 numbers, expected 12\n");
+  EXPECT_EQ(short_one.err, "flies: street.mcap /left/calibration: P: found 3 numbers, expected 12\n");
 }
 
 }  // namespace

@@ -44,6 +44,8 @@ inline constexpr std::array<ChannelName, 13> kChannels = {{
     {"/record", "flies.Record"},
 }};
 
+constexpr std::string_view topic_of(Channel channel) { return kChannels[static_cast<std::size_t>(channel)].topic; }
+
 /// What is small and waited for, in the order in which it leaves for a pair.
 inline constexpr std::array kResultChannels = {
     Channel::pose,

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string_view>
@@ -19,6 +20,9 @@ using Json = nlohmann::json;
 
 /// Zeros are ROS's mark of a camera that is not calibrated.
 bool is_calibrated(const flies::RosCameraInfo& info) { return info.intrinsics[0] != 0.0 || info.projection[0] != 0.0; }
+
+/// No number is the same as no number.
+bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 /// In as few digits as tell them apart.
 std::string both(double a, double b) {
@@ -36,7 +40,7 @@ std::vector<std::string> differences(const flies::RosCameraInfo& a, const flies:
     if (was.size() != is.size())
       entries.push_back(fmt::format("{} ({} numbers, then {})", field, was.size(), is.size()));
     for (std::size_t i = 0; i < std::min(was.size(), is.size()); ++i) {
-      if (was[i] == is[i]) continue;
+      if (is_same(was[i], is[i])) continue;
       const bool has_name = i < names.size() && !names[i].empty();
       const auto entry = has_name ? fmt::format("{} in {}", names[i], field) : fmt::format("{}[{}]", field, i);
       entries.push_back(entry + " " + both(was[i], is[i]));
@@ -107,12 +111,12 @@ void RecordedCalibrations::add(flies::RosCameraInfo info) {
     other = std::move(info);
 }
 
-std::string RecordedCalibrations::topic_of(const std::string& pictures) const {
-  std::string usual = camera_info_topic(pictures);
+std::optional<std::string> RecordedCalibrations::topic_of(const std::string& pictures) const {
+  const std::string usual = camera_info_topic(pictures);
   const std::string folder = usual.substr(0, usual.rfind('/') + 1);
-  for (const auto& topic : {usual, folder + "calibration", pictures + "/camera_info", pictures + "/calibration"})
+  for (const auto& topic : {pictures + "/camera_info", pictures + "/calibration", usual, folder + "calibration"})
     if (seen_.contains(topic)) return topic;
-  return usual;
+  return std::nullopt;
 }
 
 const flies::RosCameraInfo* RecordedCalibrations::find(const std::string& topic) const {

@@ -17,8 +17,8 @@ class RecordedCalibrations {
   void read_ros(const flies::RecordedMessage& message, const std::string& name);
   void read_foxglove(const flies::RecordedMessage& message, const std::string& name);
 
-  /// The topic beside that of pictures: camera_info or calibration; where there is none of them, camera_info.
-  std::string topic_of(const std::string& pictures) const;
+  /// The topic below or beside that of pictures: camera_info or calibration; nothing where there is none of them.
+  std::optional<std::string> topic_of(const std::string& pictures) const;
 
   /// Of a topic; null where there is none.
   const flies::RosCameraInfo* find(const std::string& topic) const;

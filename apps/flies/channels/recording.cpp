@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <utility>
@@ -37,28 +39,26 @@ bool is_picture_in_json(const flies::RecordedMessage& message) {
   return message.topic == topic_of(Channel::left) || message.topic == topic_of(Channel::right);
 }
 
-/// The stamp of a message of Foxglove in JSON; 0 where it has none. Only this member is read, for pictures are long;
-/// their data, in base64, hold no quotes.
-std::uint64_t json_stamp_ns(std::string_view message) {
-  constexpr std::string_view kName = "\"timestamp\"";
-  for (auto at = message.find(kName); at != message.npos; at = message.find(kName, at + 1)) {
-    const auto colon = message.find_first_not_of(" \t\r\n", at + kName.size());
-    if (colon == message.npos || message[colon] != ':') continue;
-    const auto end = message.find('}', colon);
-    const Json stamp = Json::parse(message.substr(colon + 1, end - colon), nullptr, false);
-    const auto part = [&](const char* name) {
-      return stamp.is_object() && stamp.contains(name) && stamp[name].is_number_unsigned()
-                 ? stamp[name].get<std::uint64_t>()
-                 : 0;
-    };
-    return part("sec") * 1'000'000'000U + part("nsec");
+/// How many times the usual distance lies between neighbours; nothing where the distances are no multiples of it.
+std::optional<std::vector<std::int64_t>> multiples(const std::vector<std::uint64_t>& distances_ns) {
+  constexpr double kJitter = 0.3, kDrift = 0.01;
+  if (distances_ns.empty()) return std::nullopt;
+  std::vector<std::uint64_t> sorted_ns = distances_ns;
+  std::ranges::sort(sorted_ns);
+  const auto usual_ns = static_cast<double>(sorted_ns[(sorted_ns.size() - 1) / 2]);
+  std::vector<std::int64_t> steps;
+  for (const std::uint64_t distance_ns : distances_ns) {
+    const double times = static_cast<double>(distance_ns) / usual_ns, step = std::round(times);
+    if (step < 1.0 || std::abs(times - step) > std::max(kJitter, kDrift * step)) return std::nullopt;
+    steps.push_back(static_cast<std::int64_t>(step));
   }
-  return 0;
+  return steps;
 }
 
-/// When a picture was taken; of a camera that does not say, when it was recorded.
-std::uint64_t picture_time_ns(const flies::RecordedMessage& message, std::uint64_t stamp_ns) {
-  return stamp_ns == 0 ? message.time_ns : stamp_ns;
+/// Whether a message in JSON says how a camera sees; some name no schema.
+bool is_calibration_in_json(const flies::RecordedMessage& message) {
+  if (!message.schema_name.empty()) return message.schema_name == "foxglove.CameraCalibration";
+  return message.topic == topic_of(Channel::left_calibration) || message.topic == topic_of(Channel::right_calibration);
 }
 
 /// @param is_our_own its pictures are rectified, of the calibration's size
@@ -76,20 +76,10 @@ void refuse_options_of_files(const CameraArguments& arguments, bool is_our_own, 
                               "is for a calibration file (--calib); without one the recording's own counts");
 }
 
-/// The entry whose time is nearest; of two the later one. There is one.
-template <class ByTime>
-typename ByTime::const_iterator nearest(const ByTime& entries, std::uint64_t time_ns) {
-  auto found = entries.lower_bound(time_ns);
-  if (found == entries.end() ||
-      (found != entries.begin() && time_ns - std::prev(found)->first < found->first - time_ns))
-    --found;
-  return found;
-}
-
 }  // namespace
 
-Recording::Recording(const std::string& path, const std::vector<std::string>& topics, flies::Split split)
-    : path_(path), split_(split), reader_(flies::open_recording(path)) {
+Recording::Recording(const std::string& path, const std::vector<std::string>& topics, const flies::PairReading& reading)
+    : path_(path), reading_(reading), reader_(flies::open_recording(path)) {
   read_all();
   if (is_joined()) {
     choose_joined_topic(topics);
@@ -112,6 +102,7 @@ Recording::Recording(const std::string& path, const std::vector<std::string>& to
 
 void Recording::read_all() {
   while (const auto message = next()) read_or_pass_over(*message);
+  for (const auto& [topic, found] : found_) place_in_time(topic, found);
   if (!pictures_.empty()) return;
   if (damaged_) throw flies::InputError(damaged_->first);
   if (!faults_.empty()) throw flies::InputError(faults_.begin()->second.first);
@@ -161,13 +152,15 @@ void Recording::read(const flies::RecordedMessage& message) {
       break;
   }
   if (is_picture_in_json(message)) {
-    add_picture(message, picture_time_ns(message, json_stamp_ns(message.data)));
+    const auto stamp_ns = json_stamp_ns(message.data);
+    if (!stamp_ns) ++unread_stamps_[message.topic];
+    add_picture(message, stamp_ns.value_or(0));
     has_own_pictures_ |= message.topic == topic_of(Channel::left);
   } else if (is_of_pictures(message.schema_name)) {
     ++unread_[fmt::format("{} ({} in {})", message.topic, message.schema_name, message.encoding)];
   } else if (message.encoding == "json") {
-    if (message.schema_name == "foxglove.CameraCalibration") calibrations_.read_foxglove(message, name);
-    own_.read(message, path_);
+    if (is_calibration_in_json(message)) calibrations_.read_foxglove(message, name);
+    mount_.read(message, path_);
   } else if (message.schema_name.empty()) {
     ++unread_[fmt::format("{} (without a schema, in {})", message.topic, message.encoding)];
   }
@@ -180,12 +173,20 @@ void Recording::read_ros_picture(const flies::RecordedMessage& message, const st
     return;
   }
   if (flies::ros_bayer_pattern(format)) mosaics_.try_emplace(message.topic, format);
-  add_picture(message, picture_time_ns(message, flies::ros_stamp_ns(message, name)));
+  add_picture(message, flies::ros_stamp_ns(message, name));
 }
 
-void Recording::add_picture(const flies::RecordedMessage& message, std::uint64_t time_ns) {
-  const bool is_new = pictures_[message.topic].insert_or_assign(time_ns, message.place).second;
-  if (!is_new) ++replaced_[message.topic];
+void Recording::add_picture(const flies::RecordedMessage& message, std::uint64_t stamp_ns) {
+  auto& [times, places] = found_[message.topic];
+  times.push_back({stamp_ns, message.time_ns});
+  places.push_back(message.place);
+}
+
+void Recording::place_in_time(const std::string& topic, const Found& found) {
+  const auto times_ns = times_on_one_clock(found.times);
+  Pictures& pictures = pictures_[topic];
+  for (std::size_t i = 0; i < times_ns.size(); ++i)
+    if (!pictures.insert_or_assign(times_ns[i], found.places[i]).second) ++replaced_[topic];
 }
 
 /// The topics that hold pictures, for errors.
@@ -258,12 +259,15 @@ void Recording::choose_topics(const std::vector<std::string>& topics) {
 }
 
 void Recording::take_joined_pairs() {
-  for (const auto& [time_ns, place] : pictures_[left_]) pairs_.push_back({time_ns, pairs_.size(), place, place});
+  for (const auto& [time_ns, place] : pictures_[left_])
+    pairs_.push_back({time_ns, pairs_.size(), pairs_.size(), place, place});
 }
 
 /// Two pictures are a pair when each is the nearest to the other, as images of two folders are.
 void Recording::pair_up() {
   const Pictures &left = pictures_[left_], &right = pictures_[right_];
+  std::map<std::uint64_t, std::size_t> right_numbers;
+  for (const auto& [time_ns, place] : right) right_numbers.emplace(time_ns, right_numbers.size());
   std::vector<double> distances_s, skews_s;
   std::size_t number = 0;
   for (const auto& [time_ns, place] : left) {
@@ -271,7 +275,7 @@ void Recording::pair_up() {
     const std::uint64_t skew_ns = std::max(time_ns, right_ns) - std::min(time_ns, right_ns);
     distances_s.push_back(1e-9 * static_cast<double>(skew_ns));
     if (skew_ns <= kMaxSkew_ns && nearest(left, right_ns)->first == time_ns) {
-      pairs_.push_back({time_ns, number, place, right_place});
+      pairs_.push_back({time_ns, number, right_numbers.at(right_ns), place, right_place});
       skews_s.push_back(distances_s.back());
     }
     ++number;
@@ -286,6 +290,7 @@ void Recording::pair_up() {
 
 /// Tells which pictures of a topic were left out, and why.
 void Recording::note_losses(const std::string& topic) {
+  note_stamps(topic);
   if (const std::size_t alone = pictures_[topic].size() - pairs_.size(); alone > 0)
     notes_.push_back(fmt::format("{}: {} pictures of {} have no partner", path_, alone, topic));
   if (const auto found = replaced_.find(topic); found != replaced_.end())
@@ -299,6 +304,35 @@ void Recording::note_losses(const std::string& topic) {
                                  path_, found->second.count, topic, found->second.first.what()));
 }
 
+/// Tells where stamps are not those of the pictures.
+void Recording::note_stamps(const std::string& topic) {
+  if (const auto found = unread_stamps_.find(topic); found != unread_stamps_.end()) {
+    notes_.push_back(fmt::format(
+        "{}: the stamps of {} pictures of {} cannot be read (expected \"timestamp\" with sec and nsec, or in "
+        "RFC 3339): the times at which these were recorded are used instead",
+        path_, found->second, topic));
+    return;
+  }
+  const auto& times = found_[topic].times;
+  const auto missing = static_cast<std::size_t>(std::ranges::count(times, 0U, &PictureTimes::stamp_ns));
+  if (missing > 0 && missing < times.size())
+    notes_.push_back(
+        fmt::format("{}: {} pictures of {} have no stamp (0): they are placed among the others by the "
+                    "times at which they were recorded",
+                    path_, missing, topic));
+}
+
+std::vector<std::int64_t> Recording::steps() const {
+  std::vector<std::uint64_t> distances_ns;
+  for (std::size_t i = 1; i < pairs_.size(); ++i) distances_ns.push_back(pairs_[i].time_ns - pairs_[i - 1].time_ns);
+  if (auto by_times = multiples(distances_ns)) return *std::move(by_times);
+  std::vector<std::int64_t> steps;
+  for (std::size_t i = 1; i < pairs_.size(); ++i)
+    steps.push_back(static_cast<std::int64_t>(std::max(pairs_[i].left_number - pairs_[i - 1].left_number,
+                                                       pairs_[i].right_number - pairs_[i - 1].right_number)));
+  return steps;
+}
+
 double Recording::time_s(std::size_t pair) const {
   return 1e-9 * static_cast<double>(pairs_[pair].time_ns - pairs_.front().time_ns);
 }
@@ -309,18 +343,18 @@ std::string Recording::name(std::size_t pair, bool is_right) const {
 
 cv::Mat Recording::picture(const flies::MessagePlace& place, const std::string& name) const {
   const auto message = reader_->at(place);
-  if (flies::ros_type(message) != flies::RosType::other) return flies::ros_picture(message, name);
+  if (flies::ros_type(message) != flies::RosType::other) return flies::ros_picture(message, name, reading_.bayer);
   const Json json = Json::parse(message.data, nullptr, false);
   const auto bytes = json.is_object() && json.contains("data") && json["data"].is_string()
                          ? flies::from_base64(json["data"].get<std::string>())
                          : std::nullopt;
   if (!bytes) throw flies::InputError(name, "", "is no picture");
-  return flies::picture_of_file(*bytes, name);
+  return flies::picture_of_file(*bytes, name, reading_.bayer);
 }
 
 flies::GrayPair Recording::pair(std::size_t pair) const {
   const cv::Mat left = picture(pairs_[pair].left, name(pair, false));  // whose faults are told first
-  if (is_joined()) return flies::pair_of_halves(left, split_, name(pair, false));
+  if (is_joined()) return flies::pair_of_halves(left, reading_.split, name(pair, false));
   const cv::Mat right = picture(pairs_[pair].right, name(pair, true));
   flies::GrayPair images = flies::pair_of_levels(left, right);
   flies::check_pair(images.view(), name(pair, false), name(pair, true));
@@ -338,27 +372,36 @@ const flies::RosCameraInfo& Recording::camera_info(const std::string& topic) con
                   names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-/// Whether `flies live` wrote it.
-bool Recording::is_our_own() const { return left_ == topic_of(Channel::left) && (own_.has_any() || has_own_pictures_); }
+/// The topic that says how the camera of these pictures sees; where there is none, the usual one.
+std::string Recording::calibration_topic(const std::string& pictures) const {
+  if (auto found = calibrations_.topic_of(pictures)) return *std::move(found);
+  return has_own_pictures_ ? pictures + "/calibration" : camera_info_topic(pictures);
+}
+
+/// Whether `flies live` may have written it: on our topics, and nothing is left to rectify. Others use these names too.
+bool Recording::is_our_own() const {
+  if (left_ != topic_of(Channel::left) || right_ != topic_of(Channel::right)) return false;
+  return std::ranges::all_of(std::array{left_, right_}, [&](const std::string& pictures) {
+    const auto* info = calibrations_.find(calibration_topic(pictures));
+    return info == nullptr || (info->distortion.empty() && flies::is_rectified_by_nature(*info));
+  });
+}
 
 flies::Calibration Recording::calibration(const CameraArguments& arguments, const flies::RectifiedPair& images) const {
   refuse_options_of_files(arguments, is_our_own(), path_);
-  if (is_our_own()) {
-    const auto missing = own_.missing_topic();
-    if (!missing) return own_.calibration(calibration_request(arguments, left_, right_, images), path_);
-    throw_fault_of(*missing);
-    throw flies::InputError(path_, *missing, "is missing");
-  }
-  const std::array topics = {calibrations_.topic_of(left_), calibrations_.topic_of(right_)};
+  const std::array topics = {calibration_topic(left_), calibration_topic(right_)};
   const auto& left = camera_info(topics[0]);
   const auto& right = camera_info(topics[1]);
   flies::CalibrationRequest request = calibration_request(arguments, left_, right_, images);
   request.images_are_raw |=
       !is_called_rectified(left_) && !(flies::is_rectified_by_nature(left) && flies::is_rectified_by_nature(right));
-  flies::Calibration calibration = flies::ros_calibration(left, right, request, path_);
+  flies::Calibration calibration =
+      flies::ros_calibration(left, right, request, path_, is_our_own() ? mount_.mount() : std::nullopt);
   calibration.left_name = left_;
   calibration.right_name = right_;
   for (const auto& topic : topics)
     if (const auto note = calibrations_.change_note(topic)) calibration.notes.push_back({*note});
+  if (const auto note = mount_.note(); note && is_our_own())
+    calibration.notes.push_back({*note, flies::CalibrationNoteKind::mount});
   return calibration;
 }

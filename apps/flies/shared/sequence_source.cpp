@@ -51,26 +51,45 @@ std::string jump(const std::vector<flies::PairPaths>& pairs, std::size_t after) 
   return fmt::format("the numbers in the names jump from {} to {}", name(after - 1), name(after));
 }
 
-/// Times at a rate. Where the numbers in the names jump over lost pairs, so do the times.
-std::vector<double> even_times(const std::vector<flies::PairPaths>& pairs, double rate_hz,
-                               std::vector<std::string>& notes) {
-  const std::size_t count = pairs.size();
+/// What is told where pairs of a recording are missing: the first place.
+std::string gap(const Recording& recording, std::size_t after) {
+  return fmt::format("{}: pairs {} and {} are farther apart than others", recording.path(), after - 1, after);
+}
+
+/// How much the numbers in the names grow from pair to pair, or how far the pairs of a recording are apart; empty where
+/// that is not known.
+std::vector<std::int64_t> steps_of(const SequenceSource& source) {
+  if (source.recording) return source.recording->steps();
+  std::vector<std::int64_t> steps;
+  const auto numbers = flies::numbers_in_names(left_images(source.pairs));
+  if (!numbers) return steps;
+  for (std::size_t i = 1; i < numbers->size(); ++i) steps.push_back((*numbers)[i] - (*numbers)[i - 1]);
+  return steps;
+}
+
+/// Times at a rate. Where pairs are missing they jump.
+std::vector<double> even_times(const SequenceSource& source, double rate_hz, std::vector<std::string>& notes) {
+  const std::size_t count = source.pairs.size();
   std::vector<double> times_s(count);
   for (std::size_t i = 0; i < count; ++i) times_s[i] = static_cast<double>(i) / rate_hz;
-  const auto numbers = flies::numbers_in_names(left_images(pairs));
-  if (!numbers || count < 2) return times_s;
-  std::vector<std::int64_t> steps;
-  for (std::size_t i = 1; i < count; ++i) steps.push_back((*numbers)[i] - (*numbers)[i - 1]);
+  const auto steps = steps_of(source);
+  if (steps.empty()) return times_s;
   const std::int64_t usual = *std::min_element(steps.begin(), steps.end());  // 2 where every second image is there
   const auto odd = std::find_if(steps.begin(), steps.end(), [&](std::int64_t step) { return step != usual; });
   if (odd == steps.end()) return times_s;
-  const std::string where = jump(pairs, static_cast<std::size_t>(odd - steps.begin()) + 1);
+  const std::size_t after = static_cast<std::size_t>(odd - steps.begin()) + 1;
+  const std::string where = source.recording ? gap(*source.recording, after) : jump(source.pairs, after);
   if (std::any_of(steps.begin(), steps.end(), [&](std::int64_t step) { return step % usual != 0; })) {
-    notes.push_back(where + ": they do not count the pairs, so evenly spaced times are assumed (--times gives others)");
+    notes.push_back(
+        fmt::format("{}: {}, so evenly spaced times are assumed (--times gives others)", where,
+                    source.recording ? "how many are missing is not clear" : "they do not count the pairs"));
     return times_s;
   }
-  for (std::size_t i = 0; i < count; ++i)
-    times_s[i] = static_cast<double>((*numbers)[i] - numbers->front()) / static_cast<double>(usual) / rate_hz;
+  std::int64_t steps_before = 0;
+  for (std::size_t i = 1; i < count; ++i) {
+    steps_before += steps[i - 1];
+    times_s[i] = static_cast<double>(steps_before) / static_cast<double>(usual) / rate_hz;
+  }
   notes.push_back(where + ": pairs are missing, and the times jump too (--times gives others)");
   return times_s;
 }
@@ -110,12 +129,18 @@ std::vector<double> times_of(const std::string& file, const std::vector<flies::P
   return chosen_s;
 }
 
+/// Times from pair to pair.
+std::vector<double> steps_s(const std::vector<double>& times_s) {
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < times_s.size(); ++i) steps_s.push_back(times_s[i] - times_s[i - 1]);
+  return steps_s;
+}
+
 /// Tells of times between which nothing can be followed, from the first pair to the last.
 void doubt_slow_times(const std::string& file, const std::vector<double>& times_s, std::vector<std::string>& notes) {
   constexpr double kLeast_s = 5.0;
   if (times_s.size() < 2) return;
-  double shortest_s = times_s[1] - times_s[0];
-  for (std::size_t i = 2; i < times_s.size(); ++i) shortest_s = std::min(shortest_s, times_s[i] - times_s[i - 1]);
+  const double shortest_s = std::ranges::min(steps_s(times_s));
   if (shortest_s < kLeast_s) return;
   const char* unit = shortest_s < 1e3 * kLeast_s   ? "milliseconds"
                      : shortest_s < 1e6 * kLeast_s ? "microseconds"
@@ -176,9 +201,7 @@ std::optional<std::string> recording_in(const SequenceRequest& request) {
 }
 
 void open_recording(SequenceSource& source, const std::string& path, const std::vector<std::string>& topics) {
-  if (source.reading.bayer)
-    throw flies::InputError(path, "--bayer", "is for image files; a recording itself says what its pictures are");
-  source.recording = std::make_shared<Recording>(path, topics, source.reading.split);
+  source.recording = std::make_shared<Recording>(path, topics, source.reading);
   if (source.reading.split != flies::Split::none && source.calib.empty())
     throw flies::InputError(
         "command line", "--calib",
@@ -270,7 +293,7 @@ SequenceSource open_sequence(const SequenceRequest& request) {
       source.notes.push_back(fmt::format("times are those in {} (--times), instead of {:.4g} pairs per second (--rate)",
                                          request.times, *request.rate_hz));
   } else if (request.rate_hz) {
-    source.times_s = even_times(source.pairs, *request.rate_hz, source.notes);
+    source.times_s = even_times(source, *request.rate_hz, source.notes);
     if (const auto place = place_of_times(source, own_times))
       source.notes.push_back(fmt::format("times are evenly spaced, {:.4g} pairs per second (--rate), instead of {}",
                                          *request.rate_hz, *place));
@@ -287,7 +310,7 @@ SequenceSource open_sequence(const SequenceRequest& request) {
   } else {
     source.notes.push_back(fmt::format(
         "the pairs have no times: {} pairs per second are assumed (--rate or --times gives others)", kUsualRate_hz));
-    source.times_s = even_times(source.pairs, kUsualRate_hz, source.notes);
+    source.times_s = even_times(source, kUsualRate_hz, source.notes);
   }
   return source;
 }

@@ -73,11 +73,15 @@ bool is_rectified_by_nature(const RosCameraInfo& camera) {
 }
 
 Calibration ros_calibration(const RosCameraInfo& left, const RosCameraInfo& right, const CalibrationRequest& request,
-                            const std::string& source) {
+                            const std::string& source, const std::optional<CameraMount>& mount) {
   const NumberTable left_table = table_of(left, source), right_table = table_of(right, source);
   Calibration calibration =
       detail::calibration_from_ros({left_table, prefix_of(left)}, {right_table, prefix_of(right)}, request);
   calibration.format = "ROS CameraInfo";
+  if (mount) {
+    calibration.camera.mount = *mount;
+    calibration.has_height = calibration.has_pitch = true;
+  }
   return detail::completed(std::move(calibration), request, source);
 }
 

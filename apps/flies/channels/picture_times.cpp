@@ -1,0 +1,186 @@
+#include "channels/picture_times.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <initializer_list>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::uint64_t kSecond_ns = 1'000'000'000U;
+
+/// Behind the quotes that end the text that begins at `start`, or the end.
+std::size_t end_of_text(std::string_view json, std::size_t start) {
+  for (std::size_t at = json.find('"', start + 1); at != json.npos; at = json.find('"', at + 1)) {
+    const std::size_t last = json.find_last_not_of('\\', at - 1);
+    if ((at - last) % 2 == 1) return at + 1;  // no backslashes, or pairs of them
+  }
+  return json.size();
+}
+
+/// Behind the value that begins at `start`, or the end.
+std::size_t end_of_value(std::string_view json, std::size_t start) {
+  int depth = 0;
+  for (std::size_t at = start; at < json.size();) {
+    const char c = json[at];
+    if (c == '"') {
+      at = end_of_text(json, at);
+      continue;
+    }
+    if (depth == 0 && (c == ',' || c == '}' || c == ']')) return at;
+    if (c == '{' || c == '[') ++depth;
+    if (c == '}' || c == ']') --depth;
+    ++at;
+  }
+  return json.size();
+}
+
+/// A member of the outermost object; empty where it has none of this name.
+std::string_view member(std::string_view json, std::string_view name) {
+  constexpr std::string_view kBlank = " \t\r\n";
+  std::size_t at = json.find('{');
+  while (at != json.npos && at < json.size() && json[at] != '}') {
+    const std::size_t key = json.find_first_not_of(kBlank, at + 1);
+    if (key == json.npos || json[key] != '"') return {};
+    const std::size_t key_end = end_of_text(json, key), colon = json.find_first_not_of(kBlank, key_end);
+    if (colon == json.npos || json[colon] != ':') return {};
+    const std::size_t end = end_of_value(json, colon + 1);
+    if (json.substr(key + 1, key_end - key - 2) == name) return json.substr(colon + 1, end - colon - 1);
+    at = end;
+  }
+  return {};
+}
+
+/// A whole number that is not negative, be it in quotes or with a decimal point.
+std::optional<std::uint64_t> whole_number(const Json& json) {
+  if (json.is_number_unsigned()) return json.get<std::uint64_t>();
+  if (json.is_number_float()) {
+    constexpr double kMost = 1e18;
+    const double number = json.get<double>();
+    if (!(number >= 0.0 && number < kMost) || number != std::floor(number)) return std::nullopt;
+    return static_cast<std::uint64_t>(number);
+  }
+  if (!json.is_string()) return std::nullopt;
+  const auto& text = json.get_ref<const std::string&>();
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(number) : std::nullopt;
+}
+
+/// The part of a stamp that is called by one of these names; 0 where none is there.
+std::optional<std::uint64_t> part(const Json& stamp, std::initializer_list<const char*> names) {
+  for (const char* name : names)
+    if (const auto found = stamp.find(name); found != stamp.end()) return whole_number(*found);
+  return 0;
+}
+
+std::optional<std::uint64_t> stamp_of_parts(const Json& stamp) {
+  const auto seconds = part(stamp, {"sec", "secs", "seconds"});
+  const auto rest_ns = part(stamp, {"nsec", "nsecs", "nanosec", "nanos", "nanoseconds"});
+  constexpr std::uint64_t kMost_s = 10'000'000'000U;  // beyond it nanoseconds leave 64 bits
+  if (!seconds || !rest_ns || *seconds > kMost_s || *rest_ns >= kSecond_ns) return std::nullopt;
+  return *seconds * kSecond_ns + *rest_ns;
+}
+
+/// Takes a number of so many digits from the front of a text.
+std::optional<int> digits(std::string_view& text, std::size_t count) {
+  int number = 0;
+  if (text.size() < count || !std::all_of(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(count),
+                                          [](char c) { return c >= '0' && c <= '9'; }))
+    return std::nullopt;
+  std::from_chars(text.data(), text.data() + count, number);
+  text.remove_prefix(count);
+  return number;
+}
+
+bool take(std::string_view& text, std::string_view any_of) {
+  if (text.empty() || any_of.find(text.front()) == any_of.npos) return false;
+  text.remove_prefix(1);
+  return true;
+}
+
+/// The fraction of a second that a text begins with, if it begins with one.
+std::uint64_t fraction_ns(std::string_view& text) {
+  std::uint64_t rest_ns = 0;
+  if (!take(text, ".,")) return rest_ns;
+  for (std::uint64_t unit_ns = kSecond_ns / 10; !text.empty() && text.front() >= '0' && text.front() <= '9';
+       unit_ns /= 10) {
+    rest_ns += unit_ns * static_cast<std::uint64_t>(text.front() - '0');
+    text.remove_prefix(1);
+  }
+  return rest_ns;
+}
+
+/// How far the clock of a text is ahead of UTC, minutes: what it ends with, Z or +01:00.
+std::optional<int> offset_min(std::string_view text) {
+  if (text == "Z" || text == "z") return 0;
+  const bool is_behind = text.starts_with('-');
+  if (!take(text, "+-")) return std::nullopt;
+  const auto hours = digits(text, 2);
+  take(text, ":");
+  const auto minutes = digits(text, 2);
+  if (!hours || !minutes || !text.empty()) return std::nullopt;
+  return (is_behind ? -1 : 1) * (60 * *hours + *minutes);
+}
+
+/// RFC 3339: 2023-11-14T22:13:20.050Z
+std::optional<std::uint64_t> stamp_of_text(std::string_view text) {
+  const auto year = digits(text, 4);
+  take(text, "-");
+  const auto month = digits(text, 2);
+  take(text, "-");
+  const auto day = digits(text, 2);
+  take(text, "Tt ");
+  const auto hour = digits(text, 2);
+  take(text, ":");
+  const auto minute = digits(text, 2);
+  take(text, ":");
+  const auto second = digits(text, 2);
+  if (!year || !month || !day || !hour || !minute || !second) return std::nullopt;
+  const std::uint64_t rest_ns = fraction_ns(text);
+  const auto ahead_min = offset_min(text);
+  const std::chrono::year_month_day date{std::chrono::year(*year), std::chrono::month(static_cast<unsigned>(*month)),
+                                         std::chrono::day(static_cast<unsigned>(*day))};
+  if (!ahead_min || !date.ok()) return std::nullopt;
+  const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
+  const std::int64_t seconds = 60 * (60 * (24 * days + *hour) + *minute - *ahead_min) + *second;
+  if (seconds < 0) return std::nullopt;
+  return static_cast<std::uint64_t>(seconds) * kSecond_ns + rest_ns;
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> json_stamp_ns(std::string_view message) {
+  const std::string_view text = member(message, "timestamp");
+  if (text.empty()) return 0;
+  const Json stamp = Json::parse(text, nullptr, false);
+  if (stamp.is_null()) return 0;
+  if (stamp.is_object()) return stamp_of_parts(stamp);
+  return stamp.is_string() ? stamp_of_text(stamp.get_ref<const std::string&>()) : std::nullopt;
+}
+
+std::vector<std::uint64_t> times_on_one_clock(const std::vector<PictureTimes>& pictures) {
+  std::map<std::uint64_t, std::uint64_t> stamps_ns;  // by when they were recorded
+  for (const auto& [stamp_ns, recorded_ns] : pictures)
+    if (stamp_ns != 0) stamps_ns[recorded_ns] = stamp_ns;
+  std::vector<std::uint64_t> times_ns;
+  for (const auto& [stamp_ns, recorded_ns] : pictures) {
+    if (stamp_ns != 0 || stamps_ns.empty()) {
+      times_ns.push_back(stamp_ns == 0 ? recorded_ns : stamp_ns);
+      continue;
+    }
+    const auto& [neighbour_recorded_ns, neighbour_ns] = *nearest(stamps_ns, recorded_ns);
+    const std::uint64_t time_ns = neighbour_ns + recorded_ns - neighbour_recorded_ns;  // which may wrap and wrap back
+    const bool is_before_all =
+        recorded_ns < neighbour_recorded_ns && neighbour_recorded_ns - recorded_ns > neighbour_ns;
+    times_ns.push_back(is_before_all ? 0 : time_ns);
+  }
+  return times_ns;
+}
