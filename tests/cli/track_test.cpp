@@ -165,6 +165,13 @@ TEST_F(TrackCommand, DoubtsTimesBetweenWhichNothingCanBeFollowed) {
   EXPECT_THAT(notes("0\n100000\n200000\n"), HasSubstr("are these microseconds?"));
   for (const char* good : {"0\n0.1\n0.2\n", "0\n4\n8\n", "0\n0.1\n100\n"})
     EXPECT_THAT(notes(good), ::testing::Not(HasSubstr("apart"))) << good;
+  EXPECT_THAT(notes("0\n0.0001\n0.0002\n"), HasSubstr("times.txt: pairs are 0.1 ms apart (median), closer than stereo "
+                                                      "cameras take them"));
+  const auto at_rate = [&](const char* rate) {
+    return run({"--calib", "calib.txt", "--rate", rate, "--json", "t.jsonl"}).err;
+  };
+  EXPECT_THAT(at_rate("10000"), HasSubstr("--rate: pairs are 0.1 ms apart"));
+  EXPECT_THAT(at_rate("1000"), ::testing::Not(HasSubstr("apart")));
 }
 
 TEST_F(TrackCommand, RefusesTopicsOfImages) {

@@ -10,6 +10,7 @@
 
 #include "channels/recording.hpp"
 #include "flies/core/error.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/io/folder.hpp"
 #include "flies/io/image_folder.hpp"
 #include "flies/io/image_names.hpp"
@@ -148,6 +149,20 @@ void doubt_slow_times(const std::string& file, const std::vector<double>& times_
   notes.push_back(
       fmt::format("{}: pairs are {:.4g} s apart or more, too long to follow anything: are these {}? expected seconds",
                   file, shortest_s, unit));
+}
+
+/// Tells of times that are closer together than any stereo camera takes pairs.
+/// @param where they stand
+void doubt_fast_times(const std::string& where, const std::vector<double>& times_s, std::vector<std::string>& notes) {
+  constexpr double kLeast_s = 0.99e-3;
+  if (times_s.size() < 2) return;
+  const double usual_s = flies::upper_median(steps_s(times_s));
+  if (usual_s >= kLeast_s) return;
+  notes.push_back(fmt::format(
+      "{}: pairs are {:.3g} ms apart (median), closer than stereo cameras take them, so that speeds come "
+      "out far too high: was a unit mistaken, such as microseconds for nanoseconds? --rate or --times gives "
+      "other times",
+      where, 1e3 * usual_s));
 }
 
 /// The times of a file for a recording: one a pair, or one a left picture, those without a partner too.
@@ -289,21 +304,26 @@ SequenceSource open_sequence(const SequenceRequest& request) {
     source.times_s = source.recording ? times_of(request.times, *source.recording, source.notes)
                                       : times_of(request.times, source.pairs, source.notes);
     doubt_slow_times(request.times, source.times_s, source.notes);
+    doubt_fast_times(request.times, source.times_s, source.notes);
     if (request.rate_hz)
       source.notes.push_back(fmt::format("times are those in {} (--times), instead of {:.4g} pairs per second (--rate)",
                                          request.times, *request.rate_hz));
   } else if (request.rate_hz) {
     source.times_s = even_times(source, *request.rate_hz, source.notes);
+    doubt_fast_times("--rate", source.times_s, source.notes);
     if (const auto place = place_of_times(source, own_times))
       source.notes.push_back(fmt::format("times are evenly spaced, {:.4g} pairs per second (--rate), instead of {}",
                                          *request.rate_hz, *place));
   } else if (source.recording) {
-    // has its own
+    doubt_slow_times(*recording, source.times_s, source.notes);  // its own
+    doubt_fast_times(*recording, source.times_s, source.notes);
   } else if (!own_times.empty()) {
     source.times_s = times_of(own_times, source.pairs, source.notes);
     doubt_slow_times(own_times, source.times_s, source.notes);
+    doubt_fast_times(own_times, source.times_s, source.notes);
   } else if (auto times_s = named_times(source.pairs)) {
     source.times_s = std::move(*times_s);
+    doubt_fast_times("the names of the images", source.times_s, source.notes);
     source.notes.push_back(fmt::format(
         "times are those in the names of the images: {:.4g} pairs per second (--rate or --times gives others)",
         static_cast<double>(source.pairs.size() - 1) / source.times_s.back()));

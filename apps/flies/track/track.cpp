@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include <cmath>
 #include <exception>
 #include <memory>
 #include <opencv2/core/utility.hpp>
@@ -111,6 +112,27 @@ class TrackOutputFiles {
   bool prints_ = false, is_committed_ = false;
 };
 
+/// Watches over a run for speeds that nothing has which carries a camera. Times that no camera has were told before.
+class SpeedWatch {
+ public:
+  /// @param ego of the next pair of the run
+  /// @returns what to say, once
+  std::optional<std::string> look(const flies::EgoMotion& ego) {
+    constexpr double kLeastStep_s = 0.99e-3;
+    constexpr int kEnough = 3;
+    const double speed_mps = std::hypot(ego.vx_mps, ego.vy_mps);
+    if (!ego.is_known || ego.dt_s < kLeastStep_s || speed_mps < flies::kMostSpeed_mps) return std::nullopt;
+    if (++fast_pairs_ != kEnough) return std::nullopt;
+    return fmt::format(
+        "the camera seems to move at {:.4g} m/s, faster than any vehicle: check the times, which may be too close "
+        "together (--rate, --times), and the unit of the baseline",
+        speed_mps);
+  }
+
+ private:
+  int fast_pairs_ = 0;
+};
+
 flies::Calibration calibration_of(const TrackArguments& arguments, const SequenceSource& source,
                                   const flies::PairPaths& pair, const flies::RectifiedPair& images) {
   if (!source.recording) return calibration_of_files(source.calib, arguments.camera, pair, images);
@@ -160,6 +182,7 @@ void run_track(TrackArguments arguments) {
       source.pairs.size(), [&](std::size_t i) { return run.usable(i); }, options.threads != 1);
   flies::PairWatch watch;
   flies::DisparityShiftWatch shift_watch;
+  SpeedWatch speed_watch;
   std::vector<std::string> faults;
   for (std::size_t i = 0; i < source.pairs.size(); ++i) {
     TrackedFrame frame{.frame = static_cast<int>(i),
@@ -178,6 +201,7 @@ void run_track(TrackArguments arguments) {
       say_notes(watch.look(images.view(), camera, frame.left, {nearest_range_m(options), arguments.method.preset}));
       if (watch.is_no_pair()) flies::check_calibrated_pair(images.view(), run.calibration, {}, frame.left, frame.right);
       frame.tracking = tracker.process(images.view(), source.times_s[i]);
+      if (const auto note = speed_watch.look(frame.tracking.ego)) say_notes({*note});
       shift_watch.look(frame.tracking.ego);
       if (const auto note = shift_watch.first_note(camera); !note.empty()) say_notes({note});
     } catch (const flies::InputError& error) {  // costs this pair, not the others
