@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/exclusive_file.hpp"
 #include "flies/io/stale_parts.hpp"
 #include "flies/io/unfinished_outputs.hpp"
 
@@ -103,6 +104,9 @@ void StagedFolder::commit() {
   check(error, folder_, "create a folder in it");
   std::vector<Move> moves;
   for (const auto& entry : entries_) {
+    if (flies::is_being_written((target_ / entry).string()))
+      throw flies::InputError((target_ / entry).string(), "",
+                              "another run is writing it, expected a folder of its own for each run");
     moves.push_back({target_ / entry, part_ / kReplaced / entry});
     moves.push_back({part_ / entry, target_ / entry});
   }

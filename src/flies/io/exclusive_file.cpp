@@ -17,6 +17,26 @@ namespace {
   throw InputError(name, "", std::string("cannot write: ") + std::strerror(error_number));
 }
 
+[[noreturn]] void fail_as_another_writes(const std::string& name) {
+  throw InputError(name, "", "another run is writing it, expected a file of its own for each run");
+}
+
+/// What a run that replaces a file holds of it.
+struct Shared {
+  int descriptor = -1;
+  bool is_refused = false;  ///< another run is writing it
+};
+
+Shared lock_shared(const std::string& path) noexcept {
+  // Not blocking: what has become a pipe since would wait for its writer.
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return {};
+  if (::flock(descriptor, LOCK_SH | LOCK_NB) == 0) return {.descriptor = descriptor};
+  const bool is_refused = errno == EWOULDBLOCK;
+  ::close(descriptor);
+  return {.is_refused = is_refused};
+}
+
 /// Whether the file still has this name: the run that had it before may just have given it another.
 bool is_still_called(const std::string& path, const struct stat& file) {
   struct stat now = {};
@@ -33,7 +53,7 @@ int open_exclusively(const std::string& path, const std::string& name) {
     if (::fstat(descriptor, &file) != 0 || !S_ISREG(file.st_mode)) return descriptor;
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       ::close(descriptor);
-      throw InputError(name, "", "another run is writing it, expected a file of its own for each run");
+      fail_as_another_writes(name);
     }
     if (!is_still_called(path, file)) {
       ::close(descriptor);
@@ -44,6 +64,18 @@ int open_exclusively(const std::string& path, const std::string& name) {
     ::close(descriptor);
     fail(name, error_number);
   }
+}
+
+int keep_from_writers(const std::string& path, const std::string& name) {
+  const Shared shared = lock_shared(path);
+  if (shared.is_refused) fail_as_another_writes(name);
+  return shared.descriptor;
+}
+
+bool is_being_written(const std::string& path) noexcept {
+  const Shared shared = lock_shared(path);
+  if (shared.descriptor >= 0) ::close(shared.descriptor);
+  return shared.is_refused;
 }
 
 }  // namespace flies

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "flies/core/error.hpp"
+#include "flies/io/exclusive_file.hpp"
 #include "flies/io/stale_parts.hpp"
 #include "flies/io/unfinished_outputs.hpp"
 
@@ -47,6 +48,7 @@ OutputFile::OutputFile(const std::string& path, Kind kind) : path_(path), kind_(
   target_path_ = error ? path : resolved.string();
   // A file that may not be written must not be replaced either, although the folder would allow it.
   if (fs::exists(target_path_, error) && ::access(target_path_.c_str(), W_OK) != 0) fail(errno);
+  kept_ = keep_from_writers(target_path_, path_);
   remove_stale_parts(target_path_);
   part_path_ = part_name(target_path_);
   if (kind_ == Kind::lines)
@@ -70,6 +72,7 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
       target_path_(std::move(other.target_path_)),
       part_path_(std::exchange(other.part_path_, {})),
       kind_(other.kind_),
+      kept_(std::exchange(other.kept_, -1)),
       file_(std::exchange(other.file_, nullptr)) {}
 
 void OutputFile::write(std::string_view text) {
@@ -90,13 +93,18 @@ void OutputFile::commit() {
   std::FILE* file = std::exchange(file_, nullptr);
   int error_number = std::fflush(file) != 0 ? errno : 0;
   if (std::fclose(file) != 0 && error_number == 0) error_number = errno;
-  if (error_number == 0 && !part_path_.empty() && ::rename(part_path_.c_str(), target_path_.c_str()) != 0)
-    error_number = errno;
+  if (error_number == 0 && !part_path_.empty()) {
+    const int kept = keep_from_writers(target_path_, path_);  // it may have come only now
+    let_go();
+    kept_ = kept;
+    if (::rename(part_path_.c_str(), target_path_.c_str()) != 0) error_number = errno;
+  }
   if (error_number != 0) {
     discard();
     fail(error_number);
   }
   forget_part();
+  let_go();
 }
 
 void OutputFile::fail(int error_number) const {
@@ -109,6 +117,11 @@ void OutputFile::discard() noexcept {
   file_ = nullptr;
   if (!part_path_.empty()) ::unlink(part_path_.c_str());
   forget_part();
+  let_go();
+}
+
+void OutputFile::let_go() noexcept {
+  if (const int kept = std::exchange(kept_, -1); kept >= 0) ::close(kept);
 }
 
 void OutputFile::forget_part() noexcept {

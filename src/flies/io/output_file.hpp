@@ -22,7 +22,7 @@ class OutputFile {
   };
 
   /// What an earlier process left half written beside the file, because it was killed, is removed.
-  /// @throws InputError naming the file when it cannot be created
+  /// @throws InputError naming the file when it cannot be created, or another run is writing it (`open_exclusively`)
   explicit OutputFile(const std::string& path, Kind kind = Kind::whole);
   ~OutputFile();
   OutputFile(OutputFile&& other) noexcept;
@@ -33,7 +33,9 @@ class OutputFile {
   void write(std::string_view text);
 
   /// Closes the file and gives it its name. Call it once, last.
-  /// @throws InputError naming the file when the disk is full or the like; nothing is left behind then
+  /// @throws InputError naming the file when the disk is full or the like, or another run has begun to write it;
+  /// nothing
+  ///         is left behind then
   void commit();
 
   const std::string& path() const { return path_; }
@@ -42,11 +44,13 @@ class OutputFile {
   [[noreturn]] void fail(int error_number) const;
   void discard() noexcept;
   void forget_part() noexcept;
+  void let_go() noexcept;
 
   std::string path_;         ///< as the user wrote it
   std::string target_path_;  ///< with links resolved
   std::string part_path_;    ///< empty when written directly
   Kind kind_ = Kind::whole;
+  int kept_ = -1;  ///< of the file that is to be replaced: no other run may begin to write it
   std::FILE* file_ = nullptr;
 };
 

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "flies/io/exclusive_file.hpp"
 #include "flies/io/temporary_folder.hpp"
 #include "flies/io/unfinished_outputs.hpp"
 
@@ -97,6 +98,39 @@ TEST(OutputFile, KeepsTheOldFileWithoutCommit) {
   write_file(path, "new");
   EXPECT_EQ(read_all(path), "new");
   EXPECT_EQ(folder.count(), 1U);
+}
+
+TEST(OutputFile, DoesNotReplaceWhatAnotherRunIsWriting) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("out.txt");
+  const int writer = open_exclusively(path, path);
+  ASSERT_EQ(::write(writer, "line\n", 5), 5);
+  EXPECT_THAT(error_of([&] { const OutputFile file(path); }), AllOf(HasSubstr(path), HasSubstr("another run")));
+  EXPECT_EQ(read_all(path), "line\n");
+  EXPECT_EQ(folder.count(), 1U);
+  ::close(writer);
+  write_file(path, "whole");
+  EXPECT_EQ(read_all(path), "whole");
+}
+
+TEST(OutputFile, DoesNotReplaceWhatAnotherRunHasBegunToWrite) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("out.txt");
+  OutputFile file(path);
+  const int writer = open_exclusively(path, path);
+  EXPECT_THAT(error_of([&] { file.commit(); }), HasSubstr("another run"));
+  EXPECT_TRUE(is_being_written(path));
+  ::close(writer);
+}
+
+TEST(OutputFile, KeepsWritersFromTheFileThatItIsToReplace) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("out.txt", "old");
+  OutputFile file(path), other(path);
+  EXPECT_THAT(error_of([&] { open_exclusively(path, path); }), HasSubstr("another run"));
+  file.commit();
+  other.commit();
+  ::close(open_exclusively(path, path));
 }
 
 TEST(OutputFile, CanBeMoved) {

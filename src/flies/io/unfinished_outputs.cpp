@@ -8,6 +8,8 @@
 #include <string>
 #include <system_error>
 
+#include "flies/io/exclusive_file.hpp"
+
 namespace flies {
 namespace {
 
@@ -16,8 +18,9 @@ struct Unfinished {
   std::map<std::filesystem::path, std::filesystem::path> target_of_path;  ///< empty: not worth keeping
 };
 
-/// Gives whole lines their name. @returns whether there were any
+/// Gives whole lines their name, unless another run has it by now. @returns whether it has been given
 bool keep_lines(const std::filesystem::path& path, const std::filesystem::path& target) {
+  if (is_being_written(target.string())) return false;
   constexpr std::uintmax_t kPiece = 4096;
   std::error_code error;
   std::ifstream file(path, std::ios::binary);
