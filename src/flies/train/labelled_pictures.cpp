@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <iterator>
 #include <map>
+#include <set>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "flies/core/error.hpp"
@@ -70,7 +73,8 @@ class Pictures {
 
   /// @param label_root the folder that places of labels count from
   /// @param name that the labels give; empty: that of the label file
-  fs::path of(const fs::path& label_file, const fs::path& label_root, const std::string& name) const {
+  fs::path of(const fs::path& label_file, const fs::path& label_root, const std::string& told) const {
+    const std::string name = as_found_here(told);
     const fs::path own = place_of(label_file, label_root);
     const std::string stem = name.empty() ? own.filename().string() : fs::path(name).stem().string();
     const auto found = by_place_.find(own.parent_path() / stem);
@@ -87,12 +91,19 @@ class Pictures {
     if (!name.empty() && named != by_place_.end()) return one_of(named->second, label_file, name, stem);
     const auto anywhere = by_stem_.find(stem);
     if (anywhere == by_stem_.end())
-      throw InputError(label_file.string(), "",
-                       fmt::format("found no picture '{}' in {}, expected one", stem, root_.string()));
+      throw InputError(
+          label_file.string(), "",
+          fmt::format("found no picture '{}' in {}, expected one", name.empty() ? stem : told, root_.string()));
     return one_of(anywhere->second, label_file, "", stem);
   }
 
  private:
+  /// Windows writes `images\a.jpg`, which may be a name, too.
+  std::string as_found_here(std::string name) const {
+    if (!by_stem_.contains(fs::path(name).stem().string())) std::ranges::replace(name, '\\', '/');
+    return name;
+  }
+
   /// @param name with the extension that tells pictures in one folder apart; empty where they are in several
   static fs::path one_of(const std::vector<fs::path>& pictures, const fs::path& label_file, const std::string& name,
                          const std::string& stem) {
@@ -130,6 +141,35 @@ void turn_with_picture(PictureLabels& labels, const fs::path& picture) {
   std::ranges::for_each(labels.unclear, turn);
   std::swap(labels.width_px, labels.height_px);
 }
+
+/// Boxes that a set has several times, as where labels of several programs or people are put together.
+class RepeatedBoxes {
+ public:
+  /// Leaves one of each.
+  void remove_from(PictureLabels& labels, const fs::path& picture) {
+    const std::size_t removed = remove_from(labels.people) + remove_from(labels.unclear);
+    if (removed > 0 && removed_ == 0) first_ = picture;
+    removed_ += removed;
+  }
+
+  void tell(const fs::path& root, const SayNote& note) const {
+    if (removed_ == 0 || !note) return;
+    note(fmt::format("{}: labels that repeat another one of the same picture exactly are left out: {}, the first in {}",
+                     root.string(), removed_, first_.string()));
+  }
+
+ private:
+  static std::size_t remove_from(std::vector<ImageBox>& boxes) {
+    const auto place = [](const ImageBox& box) { return std::tuple(box.u_px, box.v_px, box.width_px, box.height_px); };
+    const std::size_t before = boxes.size();
+    std::set<std::tuple<double, double, double, double>> seen;
+    std::erase_if(boxes, [&](const ImageBox& box) { return !seen.insert(place(box)).second; });
+    return before - boxes.size();
+  }
+
+  std::size_t removed_ = 0;
+  fs::path first_;  ///< picture
+};
 
 TrainingPicture labelled(const fs::path& picture, PictureLabels labels) {
   TrainingPicture result;
@@ -170,6 +210,7 @@ std::vector<TrainingPicture> join(std::vector<FileLabels> all, const fs::path& l
   std::vector<TrainingPicture> result;
   std::map<fs::path, fs::path> labels_of;
   PeopleCheck check;
+  RepeatedBoxes repeated;
   for (auto& [file, labels] : all) {
     const fs::path picture = pictures.of(file, label_root, labels.picture);
     if (const auto [other, is_first] = labels_of.emplace(picture, file); !is_first)
@@ -179,10 +220,12 @@ std::vector<TrainingPicture> join(std::vector<FileLabels> all, const fs::path& l
                            : fmt::format("is for {}, but so is {}: expected the labels of a picture in one file",
                                          picture.string(), other->second.string()));
     turn_with_picture(labels, picture);
+    repeated.remove_from(labels, picture);
     check.add(labels, file.string());
     result.push_back(labelled(picture, std::move(labels)));
   }
   check.finish();
+  repeated.tell(picture_root, note);
   tell_of_unlabelled(pictures, labels_of, picture_root, note);
   return result;
 }
@@ -194,14 +237,60 @@ std::optional<fs::path> kitti_folder(const fs::path& folder) {
   return std::nullopt;
 }
 
-/// The classes by the names that belong to YOLO's labels.
-YoloClasses yolo_classes(const fs::path& folder) {
+/// By one file; nothing when it holds no names.
+std::optional<YoloClasses> yolo_classes_of(const fs::path& file) {
+  const std::string text = detail::read_truth(file);
+  return has_extension(file, {".yaml", ".yml"}) ? parse_yolo_yaml(text, file.string())
+                                                : parse_yolo_names(text, file.string());
+}
+
+/// The files that may hold the names of YOLO's classes, those that count most first.
+std::vector<fs::path> files_of_yolo_names(const fs::path& folder) {
   const auto is_yaml = [](const fs::path& path) { return has_extension(path, {".yaml", ".yml"}); };
-  for (const auto& file : detail::files_below(folder, is_yaml))
-    if (const auto classes = parse_yolo_yaml(detail::read_truth(file), file.string())) return *classes;
   const auto is_list = [](const fs::path& path) { return is_named(path, {"classes.txt", "obj.names"}); };
-  const auto lists = detail::files_below(folder, is_list);
-  return lists.empty() ? YoloClasses{} : parse_yolo_names(detail::read_truth(lists.front()), lists.front().string());
+  auto files = detail::files_below(folder, is_yaml);
+  std::ranges::move(detail::files_below(folder, is_list), std::back_inserter(files));
+  return files;
+}
+
+/// The classes by the names that belong to YOLO's labels.
+/// @param note is told of another list by which other classes are people
+YoloClasses yolo_classes(const fs::path& folder, const SayNote& note) {
+  std::optional<YoloClasses> used;
+  for (const auto& file : files_of_yolo_names(folder)) {
+    if (!used) {
+      used = yolo_classes_of(file);
+      continue;
+    }
+    std::optional<YoloClasses> other;
+    try {
+      other = yolo_classes_of(file);
+    } catch (const InputError&) {  // it is not asked
+      continue;
+    }
+    if (other && note && (other->people != used->people || other->unclear != used->unclear))
+      note(
+          fmt::format("{}: by this list other classes are people than by {}, which is used: take away the one that "
+                      "does not belong to the labels",
+                      file.string(), used->source));
+  }
+  return used.value_or(YoloClasses{});
+}
+
+/// Of labels whose class the list of names does not have.
+void tell_of_unnamed_classes(const YoloClasses& classes, const YoloLines& lines, const SayNote& note) {
+  int all = 0, unnamed = 0, first = -1;
+  for (const auto& [of_class, labels] : lines.labels_of_class()) {
+    all += labels;
+    if (classes.named.contains(of_class)) continue;
+    if (unnamed == 0) first = of_class;
+    unnamed += labels;
+  }
+  if (classes.source.empty() || unnamed == 0 || !note) return;
+  note(
+      fmt::format("{}: {} of {} labels are of classes without a name, {} the first, and count as background; does the "
+                  "list belong to these labels?",
+                  classes.source, unnamed, all, first));
 }
 
 /// Text files that lie in a folder for labels, or belong to a picture by their place.
@@ -215,8 +304,8 @@ std::vector<fs::path> label_texts(const fs::path& folder, const Pictures& pictur
 
 /// Text files of YOLO: in `labels` beside `images`, or next to their pictures. Pictures without one show nobody.
 std::vector<TrainingPicture> read_yolo(const fs::path& folder, const std::vector<fs::path>& texts,
-                                       const Pictures& pictures) {
-  const YoloClasses classes = yolo_classes(folder);
+                                       const Pictures& pictures, const SayNote& note) {
+  const YoloClasses classes = yolo_classes(folder, note);
   std::map<fs::path, fs::path> label_files;
   YoloLines lines;
   for (const auto& file : texts) {
@@ -227,8 +316,10 @@ std::vector<TrainingPicture> read_yolo(const fs::path& folder, const std::vector
                                    picture.string(), other->second.string()));
     lines.add(detail::read_truth(file));
   }
+  tell_of_unnamed_classes(classes, lines, note);
   std::vector<TrainingPicture> result;
   PeopleCheck check;
+  RepeatedBoxes repeated;
   for (const auto& picture : pictures.files()) {
     const auto file = label_files.find(picture);
     PictureLabels labels;
@@ -236,11 +327,13 @@ std::vector<TrainingPicture> read_yolo(const fs::path& folder, const std::vector
       const GrayImage image = load_gray_image(picture.string());
       labels = parse_yolo_labels(detail::read_truth(file->second), file->second.string(), classes, lines,
                                  image.width_px, image.height_px);
+      repeated.remove_from(labels, picture);
       check.add(labels, file->second.string());
     }
     result.push_back(labelled(picture, std::move(labels)));
   }
   check.finish();
+  repeated.tell(folder, note);
   return result;
 }
 
@@ -291,7 +384,7 @@ std::optional<std::vector<TrainingPicture>> labelled_pictures(const fs::path& fo
   if (const auto files = label_texts(folder, pictures); !files.empty()) {
     if (is_pascal_text(detail::read_truth(files.front())))
       return join(parse_all(files, parse_pascal_text), folder, folder, note);
-    return read_yolo(folder, files, pictures);
+    return read_yolo(folder, files, pictures, note);
   }
   if (const auto files = detail::files_below(folder, is_json); !files.empty())
     return join(parse_coco_files(files), folder, folder, note);

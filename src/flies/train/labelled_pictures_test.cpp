@@ -72,6 +72,68 @@ TEST_F(LabelledPictures, ReadsCoco) {
               ElementsAre(AllOf(HasSubstr("1 of 2 pictures have no labels and are not used"), HasSubstr("b.png"))));
 }
 
+std::string coco(const std::string& file_name, const std::string& annotations) {
+  return R"({"images": [{"id": 1, "file_name": ")" + file_name +
+         R"("}], "categories": [{"id": 1, "name": "person"}], "annotations": [)" + annotations + "]}";
+}
+
+constexpr const char* kCocoPerson = R"({"id": 4, "image_id": 1, "category_id": 1, "bbox": [10, 20, 40, 100]})";
+
+TEST_F(LabelledPictures, LearnsALabelThatIsThereTwiceOnce) {
+  picture("s/images/a.png");
+  write("s/a.json", coco("a.png", std::string(kCocoPerson) + "," + kCocoPerson +
+                                      R"(,{"id": 5, "image_id": 1, "category_id": 1, "bbox": [11, 20, 40, 100]})"));
+  ASSERT_THAT(people("s"), SizeIs(1));
+  EXPECT_THAT(people("s")[0].people, SizeIs(2));
+  EXPECT_THAT(notes_, ElementsAre(AllOf(HasSubstr("s: labels that repeat"), HasSubstr("left out: 1, the first in"),
+                                        HasSubstr("a.png"))));
+  picture("y/images/b.png");
+  write("y/labels/b.txt", "0 0.25 0.5 0.2 0.5\n0 0.25 0.5 0.2 0.5\n");
+  EXPECT_THAT(people("y")[0].people, SizeIs(1));
+  EXPECT_THAT(notes_, ElementsAre(HasSubstr("labels that repeat")));
+}
+
+TEST_F(LabelledPictures, ReadsNamesOfWindowsInCoco) {
+  picture("s/images/a.png");
+  for (const char* name : {R"(images\\a.png)", R"(C:\\set\\images\\a.png)"}) {
+    write("s/set.json", coco(name, kCocoPerson));
+    ASSERT_THAT(people("s"), SizeIs(1)) << name;
+    EXPECT_EQ(people("s")[0].path, path("s/images/a.png"));
+  }
+  write("s/set.json", coco(R"(images\\b.png)", kCocoPerson));
+  EXPECT_THAT(fault_of("s"), HasSubstr(R"(found no picture 'images\b.png')"));
+  picture(R"(w/images\a.png)");
+  picture("w/a.png");
+  write("w/set.json", coco(R"(images\\a.png)", kCocoPerson));
+  EXPECT_EQ(people("w")[0].path, path(R"(w/images\a.png)"));
+}
+
+TEST_F(LabelledPictures, TellsOfListsOfYoloNamesThatContradictEachOther) {
+  picture("s/images/a.png");
+  write("s/labels/a.txt", "0 0.25 0.5 0.2 0.5\n1 0.25 0.5 0.2 0.4\n");
+  write("s/data.yaml", "names: [person, bike]\n");
+  write("s/classes.txt", "person\nbicycle\n");
+  EXPECT_THAT(people("s"), SizeIs(1));
+  EXPECT_THAT(notes_, IsEmpty());
+  write("s/classes.txt", "car\nperson\n");
+  EXPECT_NEAR(people("s")[0].people[0].height_px, 80.0, 1e-9);
+  EXPECT_THAT(notes_,
+              ElementsAre(AllOf(HasSubstr("classes.txt: by this list"), HasSubstr("data.yaml, which is used"))));
+}
+
+TEST_F(LabelledPictures, TellsOfYoloClassesWithoutAName) {
+  picture("s/images/a.png");
+  write("s/labels/a.txt", "0 0.25 0.5 0.2 0.5\n9 0.25 0.5 0.2 0.4\n");
+  EXPECT_THAT(people("s"), SizeIs(1));
+  EXPECT_THAT(notes_, IsEmpty());
+  write("s/data.yaml", "names: {0: person, 9: ~}\n");
+  EXPECT_THAT(people("s"), SizeIs(1));
+  EXPECT_THAT(notes_, IsEmpty());
+  write("s/data.yaml", "names: [person, bike]\n");
+  EXPECT_THAT(people("s"), SizeIs(1));
+  EXPECT_THAT(notes_, ElementsAre(HasSubstr("data.yaml: 1 of 2 labels are of classes without a name, 9 the first")));
+}
+
 TEST_F(LabelledPictures, ReadsTheTextOfTheInriaPeople) {
   picture("s/pos/a.png");
   write("s/annotations/a.txt",

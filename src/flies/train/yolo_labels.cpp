@@ -46,6 +46,13 @@ double number_of(const std::string& text) {
 bool is_share(double number) { return number >= 0.0 && number <= 1.0; }
 bool is_whole(double number) { return number >= 0.0 && number == std::floor(number); }
 
+/// The number of a class, if it is one.
+std::optional<int> class_of(const std::string& text) {
+  constexpr double kMost = 1e6;
+  const double number = number_of(text);
+  return is_whole(number) && number < kMost ? std::optional(static_cast<int>(number)) : std::nullopt;
+}
+
 /// Whether keypoints of two shares and a visibility, 0 to 2, follow the box.
 /// @param most what the largest visibility is to be at least
 bool has_keypoints(const Fields& fields, double most) {
@@ -117,6 +124,7 @@ bool is_upright_as_corners(const Fields& fields, int width_px, int height_px) {
 
 void sort_in(YoloClasses& classes, int number, const std::string& name) {
   const LabelKind kind = label_kind(name);
+  classes.named.insert(number);
   if (kind == LabelKind::person) classes.people.insert(number);
   if (kind == LabelKind::unclear) classes.unclear.insert(number);
 }
@@ -148,6 +156,7 @@ int keypoint_numbers_of(const YAML::Node& root, const std::string& source) {
 void YoloLines::add(std::string_view text) {
   for_each_line(text, [&](int, const Fields& fields) {
     constexpr double kVisible = 2.0;
+    if (const auto of_class = class_of(fields[0])) ++labels_of_class_[*of_class];
     if (has_keypoints(fields, kVisible)) boxes_.insert(fields.size());
     if (fields.size() != kLeastPolygon) return;
     ++sevens_;
@@ -190,11 +199,11 @@ PictureLabels parse_yolo_labels(std::string_view text, const std::string& source
 }
 
 YoloClasses parse_yolo_names(std::string_view text, const std::string& source) {
-  YoloClasses classes{.people = {}, .unclear = {}};
+  YoloClasses classes{.people = {}, .unclear = {}, .source = source};
   std::istringstream stream{plain_text(std::string(text))};
   int number = 0;
   for (std::string line; std::getline(stream, line); ++number)
-    sort_in(classes, number, std::string(detail::trimmed(line)));
+    if (const auto name = detail::trimmed(line); !name.empty()) sort_in(classes, number, std::string(name));
   if (classes.people.empty()) throw InputError(source, "", "names " + no_person(classes));
   return classes;
 }
@@ -203,13 +212,16 @@ std::optional<YoloClasses> parse_yolo_yaml(const std::string& text, const std::s
   const YAML::Node root = detail::load_yaml(plain_text(text), source);
   if (!root.IsMap() || !root["names"]) return std::nullopt;
   const YAML::Node names = root["names"];
-  YoloClasses classes{.people = {}, .unclear = {}, .keypoint_numbers = keypoint_numbers_of(root, source)};
+  YoloClasses classes{
+      .people = {}, .unclear = {}, .keypoint_numbers = keypoint_numbers_of(root, source), .source = source};
   int number = 0;
   for (const auto& entry : names) {
     const YAML::Node& name = names.IsMap() ? entry.second : entry;
+    const std::string key = names.IsMap() ? entry.first.Scalar() : std::to_string(number);
     if (name.IsScalar() && label_kind(name.Scalar()) != LabelKind::other)
-      sort_in(classes, names.IsMap() ? detail::parse_whole_number(entry.first.Scalar(), source, "names") : number,
-              name.Scalar());
+      sort_in(classes, detail::parse_whole_number(key, source, "names"), name.Scalar());
+    else if (const auto of_class = class_of(key))
+      classes.named.insert(*of_class);
     ++number;
   }
   if (classes.people.empty()) throw InputError(source, "names", "holds " + no_person(classes));

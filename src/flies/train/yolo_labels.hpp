@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -16,6 +17,8 @@ struct YoloClasses {
   std::set<int> people = {0};
   std::set<int> unclear;     ///< people that are not learnt from: who sits or rides, crowds
   int keypoint_numbers = 0;  ///< that follow a box, by the `kpt_shape` of the set; 0: it has none
+  std::string source = {};   ///< file with their names; empty: the set has none
+  std::set<int> named = {};  ///< all that have a name
 };
 
 /// Which lines of a set are boxes with more behind them: a confidence, a number of a track, keypoints. An odd number of
@@ -28,8 +31,12 @@ class YoloLines {
   /// Whether lines of so many fields, seven or more, are boxes.
   bool are_boxes(std::size_t fields) const;
 
+  /// How many labels there are of each class.
+  const std::map<int, int>& labels_of_class() const { return labels_of_class_; }
+
  private:
   std::set<std::size_t> boxes_;
+  std::map<int, int> labels_of_class_;
   int sevens_ = 0, sevens_with_track_ = 0;
 };
 
