@@ -6,8 +6,10 @@
 #include <charconv>
 #include <cmath>
 #include <numeric>
+#include <type_traits>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/core/name_hint.hpp"
 
 namespace flies {
@@ -27,13 +29,36 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// For errors, which a zero byte would cut off.
+std::string shown(std::string_view text) {
+  std::string result;
+  for (const char c : text) result += c == '\0' ? std::string("\\0") : std::string(1, c);
+  return result;
+}
+
+/// What a plus sign stands before is a number as well as what a minus sign does.
+std::string_view without_plus(std::string_view text) {
+  constexpr std::string_view kBegin = ".0123456789";
+  const bool has_plus = text.size() > 1 && text[0] == '+' && kBegin.find(text[1]) != std::string_view::npos;
+  return has_plus ? text.substr(1) : text;
+}
+
+/// "3000.0" is the whole number 3000, as Python writes it where it counts with fractions.
+std::string_view without_zero_fraction(std::string_view text) {
+  const auto point = text.find('.');
+  if (point == 0 || point == std::string_view::npos) return text;
+  return text.find_first_not_of('0', point + 1) == std::string_view::npos ? text.substr(0, point) : text;
+}
+
 template <class Number>
 Number parse_number(std::string_view text, Range range, const char* kind, const std::string& path,
                     const std::string& source) {
+  std::string_view digits = without_plus(text);
+  if constexpr (std::is_integral_v<Number>) digits = without_zero_fraction(digits);
   Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size())
-    throw InputError(source, path, fmt::format("found '{}', expected {}", text, kind));
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc{} || end != digits.data() + digits.size())
+    throw InputError(source, path, fmt::format("found '{}', expected {}", shown(text), kind));
   const auto as_double = static_cast<double>(value);
   if (!std::isfinite(as_double) || as_double < range.min || as_double > range.max)
     throw InputError(source, path, fmt::format("found {}, expected {} in {}", text, kind, detail::range_text(range)));
@@ -58,9 +83,10 @@ std::string did_you_mean(std::string_view name, std::span<const std::string> kno
 namespace detail {
 
 bool parse_bool(std::string_view text, const std::string& path, const std::string& source) {
-  if (text == "true" || text == "on" || text == "yes" || text == "1") return true;
-  if (text == "false" || text == "off" || text == "no" || text == "0") return false;
-  throw InputError(source, path, fmt::format("found '{}', expected true or false", text));
+  const std::string plain = in_small_letters(text);  // Python writes True, YAML also TRUE
+  if (plain == "true" || plain == "on" || plain == "yes" || plain == "1") return true;
+  if (plain == "false" || plain == "off" || plain == "no" || plain == "0") return false;
+  throw InputError(source, path, fmt::format("found '{}', expected true or false", shown(text)));
 }
 
 std::int64_t parse_int(std::string_view text, Range range, const std::string& path, const std::string& source) {
@@ -82,7 +108,7 @@ std::size_t parse_name(std::string_view text, std::span<const std::string_view> 
                        const std::string& source) {
   const auto match = std::find(names.begin(), names.end(), text);
   if (match == names.end())
-    throw InputError(source, path, fmt::format("found '{}', expected {}", text, join_names(names)));
+    throw InputError(source, path, fmt::format("found '{}', expected {}", shown(text), join_names(names)));
   return static_cast<std::size_t>(match - names.begin());
 }
 
@@ -102,10 +128,10 @@ void throw_unknown_option(std::string_view path, std::span<const std::string> kn
   const std::string group = std::string(path) + ".";
   for (const auto& name : known)
     if (name.starts_with(group))
-      throw InputError(source, std::string(path), fmt::format("a group of options, not one; '{}' is in it", name));
+      throw InputError(source, shown(path), fmt::format("a group of options, not one; '{}' is in it", name));
   const std::string nearest = nearest_name(path, known);
   throw InputError(
-      source, std::string(path),
+      source, shown(path),
       nearest.empty() ? "unknown option" : fmt::format("unknown option; the nearest known one is '{}'", nearest));
 }
 

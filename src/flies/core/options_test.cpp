@@ -73,6 +73,35 @@ TEST(SetOption, ReadsEveryType) {
   EXPECT_EQ(options.inner.colour, Colour::green);
 }
 
+TEST(SetOption, ReadsWhatPythonAndYamlWrite) {
+  Outer options;
+  for (const char* text : {"False", "FALSE", "Off", "NO"}) {
+    options.active = true;
+    set_option(options, "active", text, "test");
+    EXPECT_FALSE(options.active) << text;
+    set_option(options, "active", std::string(text) == "FALSE" ? "TRUE" : "True", "test");
+    EXPECT_TRUE(options.active);
+  }
+  set_option(options, "seed", "+5", "test");
+  EXPECT_EQ(options.seed, 5U);
+  for (const char* text : {"7.0", "7.", "+7", "+7.00"}) {
+    options.count = 1;
+    set_option(options, "count", text, "test");
+    EXPECT_EQ(options.count, 7) << text;
+  }
+  set_option(options, "inner.share", "+.5", "test");
+  EXPECT_EQ(options.inner.share, 0.5);
+}
+
+TEST(SetOption, ShowsAZeroByte) {
+  using namespace std::string_literals;
+  Outer options;
+  EXPECT_THAT([&] { set_option(options, "count\0"s, "3", "test"); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("count\\0: unknown option"), HasSubstr("'count'"))));
+  EXPECT_THAT([&] { set_option(options, "count", "3\0"s, "test"); },
+              ThrowsMessage<InputError>(HasSubstr("found '3\\0', expected a whole number")));
+}
+
 TEST(SetOption, ReadsBackWhatListOptionsPrints) {
   Outer options;
   options.inner.share = 1.0 / 3.0;
@@ -95,15 +124,15 @@ TEST_P(SetOptionBad, NamesSourceOptionAndWhatIsAllowed) {
                   AllOf(HasSubstr("my.yaml: "), HasSubstr(GetParam().path), HasSubstr(GetParam().complaint))));
 }
 
-INSTANTIATE_TEST_SUITE_P(BadInput, SetOptionBad,
-                         testing::Values(BadOption{"count", "11", "1..10"}, BadOption{"count", "2.5", "a whole number"},
-                                         BadOption{"count", "", "a whole number"}, BadOption{"seed", "-1", "0 or more"},
-                                         BadOption{"active", "maybe", "true or false"},
-                                         BadOption{"inner.share", "nan", "0..1"},
-                                         BadOption{"inner.share", "x", "a number"},
-                                         BadOption{"inner.colour", "blue", "red|green"},
-                                         BadOption{"inner.shar", "0.1", "the nearest known one is 'inner.share'"},
-                                         BadOption{"inner", "1", "a group of options"}));
+INSTANTIATE_TEST_SUITE_P(
+    BadInput, SetOptionBad,
+    testing::Values(BadOption{"count", "11", "1..10"}, BadOption{"count", "2.5", "a whole number"},
+                    BadOption{"count", "+-2", "a whole number"}, BadOption{"count", ".0", "a whole number"},
+                    BadOption{"count", "", "a whole number"}, BadOption{"seed", "-1", "0 or more"},
+                    BadOption{"active", "maybe", "true or false"}, BadOption{"inner.share", "nan", "0..1"},
+                    BadOption{"inner.share", "x", "a number"}, BadOption{"inner.colour", "blue", "red|green"},
+                    BadOption{"inner.shar", "0.1", "the nearest known one is 'inner.share'"},
+                    BadOption{"inner", "1", "a group of options"}));
 
 TEST(NearestName, IsNoneWhereNothingIsNear) {
   const std::vector<std::string> known = {"seed", "threads", "evolve.flies"};
