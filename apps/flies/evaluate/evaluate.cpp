@@ -129,6 +129,7 @@ std::vector<flies::Method> methods_of(const EvaluateArguments& arguments, const 
     for (const auto& file : arguments.detections) {
       runs.push_back(flies::match_detections(flies::read_detections(file), dataset.pairs, file));
       if (auto note = flies::note_on_unusable(runs.back(), file)) dataset.notes.push_back(std::move(*note));
+      std::ranges::move(flies::notes_on_positions(runs.back(), file), std::back_inserter(dataset.notes));
     }
     methods.push_back(flies::reported_method("reported", std::move(runs)));
   }

@@ -12,6 +12,7 @@
 
 #include "flies/core/convert.hpp"
 #include "flies/core/error.hpp"
+#include "flies/core/quantile.hpp"
 #include "flies/eval/text.hpp"
 #include "flies/io/folder.hpp"
 
@@ -263,6 +264,38 @@ std::optional<std::string> note_on_unusable(const std::vector<ReportedFrame>& re
   if (unusable == 0) return std::nullopt;
   return fmt::format("{}: {} of {} lines {} that the pair could not be used; {} as nothing found", source, unusable,
                      reported.size(), unusable == 1 ? "says" : "say", unusable == 1 ? "it counts" : "they count");
+}
+
+std::vector<std::string> notes_on_positions(const std::vector<ReportedFrame>& reported, const std::string& source) {
+  constexpr double kNothingIsSoFar_m = 500.0;
+  constexpr double kOtherOrigin_m = 3.0, kOtherMeasure = 0.1;  // from a bumper, or in space instead of on the ground
+  std::vector<double> distances_m;
+  std::size_t odd = 0;
+  int first_odd = 0;
+  const auto look_at = [&](const auto& things, int line) {
+    for (const auto& thing : things) {
+      const double distance_m = std::hypot(thing.x_m, thing.y_m);
+      distances_m.push_back(distance_m);
+      if (std::abs(thing.range_m - distance_m) <= kOtherOrigin_m + kOtherMeasure * distance_m) continue;
+      if (odd++ == 0) first_odd = line;
+    }
+  };
+  for (const auto& frame : reported) {
+    look_at(frame.obstacles, frame.line);
+    if (frame.pedestrians) look_at(*frame.pedestrians, frame.line);
+  }
+  std::vector<std::string> notes;
+  if (const auto median_m = median(distances_m); median_m && *median_m > kNothingIsSoFar_m)
+    notes.push_back(
+        fmt::format("{}: half of the positions are over {:.0f} m away; x_m and y_m are to be metres, are these "
+                    "millimetres or centimetres?",
+                    source, *median_m));
+  if (odd > 0)
+    notes.push_back(
+        fmt::format("{}: line {}: range_m is not the distance of x_m and y_m, as in {} of {} positions; if it means "
+                    "something else, leave it out, for ranges are measured by it",
+                    source, first_odd, odd, distances_m.size()));
+  return notes;
 }
 
 std::vector<ReportedFrame> match_detections(std::vector<ReportedFrame> reported, const std::vector<PairPaths>& pairs,

@@ -45,6 +45,11 @@ std::vector<ReportedFrame> read_detections(const std::string& path);
 /// @param source file name
 std::optional<std::string> note_on_unusable(const std::vector<ReportedFrame>& reported, const std::string& source);
 
+/// Sentences on obstacles and people that cannot be where the lines say: their positions are no metres, or their ranges
+/// are those of other positions.
+/// @param source file name
+std::vector<std::string> notes_on_positions(const std::vector<ReportedFrame>& reported, const std::string& source);
+
 /// Puts the reports into the order of the pairs: by the name of the left image where every line has one, else by
 /// "frame" (the pair's index, from 0) where every line has one, else in the order of the lines.
 /// @throws InputError naming `source` when there is not exactly one line a pair

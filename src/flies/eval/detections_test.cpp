@@ -89,6 +89,19 @@ TEST(NoteOnUnusable, CountsLinesThatSayThatThePairCouldNotBeUsed) {
   EXPECT_EQ(note(found + "{\"obstacles\": [], \"error\": null}\n"), std::nullopt);
 }
 
+TEST(NotesOnPositions, DoubtsWhatIsNoMetres) {
+  const auto notes = [](const std::string& obstacle) {
+    return notes_on_positions(parse_detections("{\"obstacles\": [" + obstacle + "]}\n", "d.jsonl"), "d.jsonl");
+  };
+  using ::testing::ElementsAre;
+  EXPECT_THAT(notes(R"({"x_m": 80, "y_m": 1})"), ::testing::IsEmpty());
+  EXPECT_THAT(notes(R"({"x_m": 8, "y_m": 1, "range_m": 6.5})"), ::testing::IsEmpty());
+  EXPECT_THAT(notes(""), ::testing::IsEmpty());
+  EXPECT_THAT(notes(R"({"x_m": 8000, "y_m": 1000})"), ElementsAre(HasSubstr("d.jsonl: half of the positions")));
+  EXPECT_THAT(notes(R"({"x_m": 8, "y_m": 1}, {"x_m": 8, "y_m": 1, "range_m": 99})"),
+              ElementsAre(HasSubstr("d.jsonl: line 1: range_m is not the distance of x_m and y_m, as in 1 of 2")));
+}
+
 TEST(ParseDetections, TakesNothingAsFoundInAPairThatCouldNotBeUsed) {
   const std::string found =
       R"("obstacles": [{"x_m": 8, "y_m": 1}], "pedestrians": [{"x_m": 8, "y_m": 1, "probability": 0.9, "box": )"
