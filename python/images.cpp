@@ -14,6 +14,13 @@ namespace {
 
 std::string shape_text(const py::array& image) { return py::str(image.attr("shape")); }
 
+/// A mask that hides something would be passed over.
+void refuse_masked(const py::object& image, const std::string& name) {
+  const py::module_ masked = py::module_::import("numpy.ma");
+  if (py::isinstance(image, masked.attr("MaskedArray")) && py::bool_(masked.attr("is_masked")(image)))
+    throw flies::InputError(name, "mask", "hides pixels, expected an array without one: what is to be seen there?");
+}
+
 }  // namespace
 
 flies::GrayView gray_view(const py::object& image, const std::string& name) {
@@ -21,6 +28,7 @@ flies::GrayView gray_view(const py::object& image, const std::string& name) {
     throw flies::InputError(name, "type",
                             fmt::format("found {}, expected a numpy array of uint8",
                                         std::string(py::str(py::type::of(image).attr("__name__")))));
+  refuse_masked(image, name);
   const auto array = py::reinterpret_borrow<py::array>(image);
   if (!py::isinstance<py::array_t<std::uint8_t>>(array))
     throw flies::InputError(name, "dtype",

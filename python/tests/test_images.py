@@ -31,11 +31,17 @@ def test_images_of_another_process_will_do(pair, camera):
     assert np.array_equal(process(camera, *copies).obstacle_array, process(camera, *pair).obstacle_array)
 
 
+def test_masked_arrays_that_hide_nothing_will_do(pair, camera):
+    free = [np.ma.masked_array(image) for image in pair]
+    assert np.array_equal(process(camera, *free).obstacle_array, process(camera, *pair).obstacle_array)
+
+
 @pytest.mark.parametrize(
     "change, words",
     [
         (lambda image: image.astype(np.float32), "left image: dtype: found float32, expected uint8"),
         (lambda image: np.stack([image] * 3, axis=2), "left image: shape: found (240, 640, 3), expected (height, width)"),
+        (lambda image: np.ma.masked_equal(image, image[0, 0]), "left image: mask: hides pixels"),
         (lambda image: image[:, ::-1], "left image: strides: "),
         (lambda image: image[::-1], "left image: strides: "),
         (lambda image: image.T, "left image: strides: "),
