@@ -63,11 +63,14 @@ std::string unexpected_argument(const CLI::App& app) {
   return fmt::format("unknown command '{}'{}", extras.front(), flies::did_you_mean(extras.front(), commands, ""));
 }
 
+/// Of an option that has too few values, or too many.
 /// @param complaint of CLI11, which starts with the option's name and a colon
-std::string missing_value(const CLI::App& app, const std::string& complaint) {
+std::string wrong_count(const CLI::App& app, const std::string& complaint, int argc, const char* const* argv) {
   const std::string name = complaint.substr(0, complaint.find(':'));
   const auto subcommands = app.get_subcommands();
   const auto* option = (subcommands.empty() ? app : *subcommands.front()).get_option_no_throw(name);
+  if (option != nullptr && times_given(*option, argc, argv) > 1)
+    return fmt::format("{}: is given twice, expected once at most", name);
   return fmt::format("{}: expects a value {}", name, option == nullptr ? "" : option->get_type_name());
 }
 
@@ -135,7 +138,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ExtrasError&) {
     return complain("command line: " + unexpected_argument(app) + "; try '" + help_command(app) + "'", kExitInputFault);
   } catch (const CLI::ArgumentMismatch& error) {
-    return complain("command line: " + missing_value(app, error.what()) + "; try '" + help_command(app) + "'",
+    return complain("command line: " + wrong_count(app, error.what(), argc, argv) + "; try '" + help_command(app) + "'",
                     kExitInputFault);
   } catch (const CLI::ParseError& error) {
     return complain("command line: " + std::string(error.what()) + "; try '" + help_command(app) + "'",

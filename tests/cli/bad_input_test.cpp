@@ -228,6 +228,8 @@ std::vector<BadInput> bad_inputs() {
        with_words({"--right-calib", "calib.txt"}),
        {"calib.txt", "right calibration", "KITTI"}},
       {"ValueForgottenAtTheEnd", with_words({"--seed"}), {"--seed", "expects a value N"}},
+      {"OptionGivenTwice", with_words({"--csv", "a.csv", "--csv=b.csv"}), {"--csv", "is given twice"}},
+      {"MountGivenTwice", with_words({"--camera-height", "1", "--camera-height", "1.65"}), {"is given twice"}},
       {"ValueForgottenBeforeAnOption", with_words({"--csv", "--seed", "3"}), {"--csv", "expects a value", "--seed"}},
       {"CamerasThatDoNotExist", with_words({"--cameras", "7,8"}), {"7"}},
       // Outputs

@@ -69,6 +69,16 @@ void check_values(CLI::App& app) {
   for (CLI::App* command : app.get_subcommands({})) check_values_of(*command);
 }
 
+int times_given(const CLI::Option& option, int argc, const char* const* argv) {
+  int times = 0;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    for (const auto& name : option.get_lnames()) times += word == "--" + name || word.starts_with("--" + name + "=");
+    for (const auto& name : option.get_snames()) times += word.starts_with("-" + name);
+  }
+  return times;
+}
+
 void refuse_empty_assignments(int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];

@@ -16,6 +16,9 @@ void check_values(CLI::App& app);
 /// @throws flies::InputError on `--name=` without a value, of which CLI11 takes the next word
 void refuse_empty_assignments(int argc, const char* const* argv);
 
+/// How often the command line has an option, by any of its names.
+int times_given(const CLI::Option& option, int argc, const char* const* argv);
+
 /// A number from `least` to `most`. CLI11's own Range takes NaN.
 template <class Number>
 CLI::Validator in_range(Number least, Number most) {
