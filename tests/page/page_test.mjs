@@ -1,7 +1,7 @@
 // page_test.mjs FLIES WORK: the page in headless Chromium; screenshots stay in WORK. Exit status 77: skipped.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
-import { existsSync, mkdirSync, readFileSync, rmSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 
@@ -333,6 +333,19 @@ if (!process.exitCode) {
     for (const { run: made } of early) assert.ok(made.options["road.x_min_m"] < 4, "a low camera sees the road sooner");
     assert.ok((await setFlies("4500")).ok);
     const late = await worked(4500, 8);
+    // The command in a report has the mount that was given, though the road says another.
+    const { number } = await (await fetch(`${run.address}api/state`)).json();
+    const zip = await fetch(`${run.address}api/report.zip?number=${number}`);
+    if (zip.ok) {
+      writeFileSync(join(work, "given.zip"), Buffer.from(await zip.arrayBuffer()));
+      assert.equal(spawnSync("python3", ["-m", "zipfile", "-e", "given.zip", "given"], { cwd: work }).status, 0);
+      const [, command] = /^ {2}flies (.*)$/m.exec(readFileSync(join(work, "given", "README.txt"), "utf8"));
+      const again = spawnSync(flies, [...command.split(" "), "--json", "-"], { cwd: join(work, "given"), encoding: "utf8" });
+      assert.equal(again.status, 0, again.stderr);
+      const [found, told] = [again.stdout, readFileSync(join(work, "given", "result.json"), "utf8")].map((text) => JSON.parse(text).run);
+      assert.equal(found.mount.height_m, 0.5);
+      assert.deepEqual(found.mount, told.mount);
+    }
     const all = records();
     const idsOf = (some) => new Set(some.flatMap(({ tracks }) => tracks.map(({ id }) => id)));
     const before = idsOf(all.filter(({ frame }) => frame < late[0].frame)), after = idsOf(late);

@@ -208,9 +208,8 @@ flies::WebAnswer View::report(const flies::WebRequest& request) {
     const std::lock_guard lock(mutex_);
     notes.assign(notes_.begin(), notes_.end());
   }
-  const std::string options = options_file_text(*frame->options, *frame->following, frame->run->people_model);
   return {.type = "application/zip",
-          .body = view_report(*frame, options, notes),
+          .body = view_report(*frame, notes),
           .headers = {
               {"Content-Disposition", fmt::format("attachment; filename=\"flies-pair-{}.zip\"", frame->pair->number)}}};
 }

@@ -2,15 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <opencv2/core.hpp>
+#include <system_error>
 #include <utility>
 
+#include "flies/classify/named_models.hpp"
 #include "flies/core/free_space.hpp"
 #include "flies/core/mat_view.hpp"
 #include "flies/io/calibration.hpp"
 #include "flies/io/image_codecs.hpp"
 #include "flies/io/zip_archive.hpp"
 #include "live/live_outputs.hpp"
+#include "shared/method_arguments.hpp"
 
 namespace {
 
@@ -54,6 +58,14 @@ std::string png(const flies::GrayImage& image) {
   return {bytes.begin(), bytes.end()};
 }
 
+/// With its whole path, for an archive is opened elsewhere; empty for a model that flies has by its name.
+std::string file_of_model(const std::string& name_or_file) {
+  if (name_or_file.empty() || std::ranges::count(flies::people_model_names(), name_or_file) > 0) return {};
+  std::error_code error;
+  const auto path = std::filesystem::absolute(name_or_file, error);
+  return error ? name_or_file : path.string();
+}
+
 }  // namespace
 
 Json view_frame(const LiveFrame& frame) {
@@ -95,12 +107,18 @@ Json view_options(const std::vector<flies::OptionListing>& listings) {
   return options;
 }
 
-std::string view_report(const LiveFrame& frame, const std::string& options_yaml,
-                        const std::vector<std::string>& notes) {
+std::string view_report(const LiveFrame& frame, const std::vector<std::string>& notes) {
+  const std::string model_file = file_of_model(frame.run->people_model);
+  const std::string options_yaml =
+      options_file_text(*frame.options, *frame.following, model_file.empty() ? frame.run->people_model : model_file);
   std::string told =
       "One pair and what flies found in it. To process it again:\n\n"
-      "  flies detect left.png right.png --calib calib.yaml --options options.yaml --self-rectify off\n\n"
-      "Messages of this run:\n";
+      "  flies detect left.png right.png --calib calib.yaml --options options.yaml --mount given --self-rectify off\n\n"
+      "What flies had learnt from earlier pairs is not in it, so that the results may differ a little.\n";
+  if (!model_file.empty())
+    told += "The people model is not in this archive, either, but a file: " + model_file +
+            "\nOn another machine, give its place there by --model.\n";
+  told += "\nMessages of this run:\n";
   for (const auto& note : notes) told += "- " + note + "\n";
   const std::vector<flies::ZipEntry> entries = {
       {"README.txt", told},

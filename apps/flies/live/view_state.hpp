@@ -25,4 +25,4 @@ nlohmann::ordered_json view_flies(const LiveFrame& frame);
 nlohmann::ordered_json view_options(const std::vector<flies::OptionListing>& listings);
 
 /// Everything that a report of a fault needs, as a ZIP archive.
-std::string view_report(const LiveFrame& frame, const std::string& options_yaml, const std::vector<std::string>& notes);
+std::string view_report(const LiveFrame& frame, const std::vector<std::string>& notes);
