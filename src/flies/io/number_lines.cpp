@@ -67,12 +67,37 @@ std::string unquoted(const std::string& value) {
   return is_quoted ? text.substr(1, text.size() - 2) : value;
 }
 
+/// The list of a key, whose rows may go on below it.
+class OpenList {
+ public:
+  explicit OpenList(const std::string& source) : source_(source) {}
+  void begin(const std::string& key, std::string_view value) {
+    end();
+    key_ = key;
+    depth_ = 0;
+    if (trimmed(value).starts_with('[')) go_on(value);
+  }
+  void go_on(std::string_view row) { depth_ += std::ranges::count(row, '[') - std::ranges::count(row, ']'); }
+  bool is_open() const { return depth_ > 0; }
+  /// @throws InputError when its bracket was not closed
+  void end() const {
+    if (is_open()) throw InputError(source_, key_, "found no ']' at the end of its list: was the file cut off?");
+  }
+
+ private:
+  const std::string& source_;
+  std::string key_;
+  std::ptrdiff_t depth_ = 0;
+};
+
 /// One `key<separator>numbers` a line; rows of a matrix may go on below their key, keys stand below their section.
 void parse_keyed_lines(const std::vector<std::string>& lines, char separator, NumberTable& table) {
   NumberEntry* last = nullptr;
+  OpenList list(table.source);
   std::string section;
   for (const auto& line : lines) {
     if (const auto name = section_name(line)) {
+      list.end();
       section = *name + ".";
       last = nullptr;
       continue;
@@ -81,6 +106,7 @@ void parse_keyed_lines(const std::vector<std::string>& lines, char separator, Nu
     if (at == std::string::npos) {
       const auto rest = bare_numbers(line);
       if (last != nullptr && rest) last->numbers.insert(last->numbers.end(), rest->begin(), rest->end());
+      if (list.is_open()) list.go_on(line);
       continue;
     }
     const std::string name(trimmed(std::string_view(line).substr(0, at)));
@@ -89,7 +115,9 @@ void parse_keyed_lines(const std::vector<std::string>& lines, char separator, Nu
     if (table.has(key)) throw InputError(table.source, key, "stands in the file twice");
     last = &table.entries[key];
     append_words(*last, unquoted(line.substr(at + 1)));
+    list.begin(key, std::string_view(line).substr(at + 1));
   }
+  list.end();
 }
 
 /// Whether some line reads `cam0=` or `cam1=`.

@@ -253,9 +253,9 @@ const std::vector<double>& NumberTable::require(std::string_view key) const {
 const std::vector<double>& NumberTable::require(std::string_view key, std::size_t count) const {
   const auto& numbers = require(key);
   if (numbers.size() != count)
-    throw InputError(
-        source, std::string(key),
-        fmt::format("found {} number{}, expected {}", numbers.size(), numbers.size() == 1 ? "" : "s", count));
+    throw InputError(source, std::string(key),
+                     fmt::format("found {} number{}, expected {}{}", numbers.size(), numbers.size() == 1 ? "" : "s",
+                                 count, hint_of_decimal_commas(numbers, count)));
   return numbers;
 }
 
@@ -270,6 +270,18 @@ int NumberTable::require_size(std::string_view key) const {
 std::string NumberTable::word(std::string_view key) const {
   const auto found = entries.find(key);
   return found == entries.end() ? "" : detail::in_small_letters(found->second.not_a_number);
+}
+
+std::string hint_of_decimal_commas(const std::vector<double>& numbers, std::size_t expected) {
+  const auto is_whole = [](double number) { return number == std::floor(number); };
+  std::size_t halved = 0;
+  for (std::size_t i = 0; i + 1 < numbers.size(); ++i)
+    if (is_whole(numbers[i]) && is_whole(numbers[i + 1]) && numbers[i + 1] >= 0.0) {
+      ++halved;
+      ++i;
+    }
+  if (numbers.size() <= expected || numbers.size() > expected + halved) return "";
+  return " (is a comma meant as a decimal point? write a point)";
 }
 
 NumberTable parse_number_table(const std::string& text, const std::string& source) {

@@ -36,6 +36,10 @@ struct NumberTable {
   std::string word(std::string_view key) const;
 };
 
+/// " (...)" on commas that were meant as decimal points, each of which makes two whole numbers of one; "" when there
+/// are not too many numbers, or not such ones.
+std::string hint_of_decimal_commas(const std::vector<double>& numbers, std::size_t expected);
+
 /// Reads a calibration file of any understood syntax: `key: numbers` lines, `key=[...]` lines,
 /// sections of `key=number` lines, bare numbers, YAML, JSON, OpenCV XML.
 /// @throws InputError when the file cannot be read or its YAML or XML is malformed

@@ -9,8 +9,10 @@ namespace flies {
 namespace {
 
 using flies::testing::error_of;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 NumberTable parsed(const std::string& text) { return parse_number_table(text, "c"); }
 
@@ -42,6 +44,35 @@ TEST(NumberTableText, ABlankMayBeMissingBehindAKey) {
   EXPECT_EQ(table.require_number("Baseline"), 0.36);
   EXPECT_THAT(error_of([] { parsed("unit:mm\nBaseline: 360\n"); }),
               HasSubstr("c: line 1: malformed YAML: found no blank behind 'unit:'"));
+}
+
+TEST(NumberTableText, ADecimalCommaInAFlowMapIsRefusedByItsName) {
+  EXPECT_THAT(error_of([] { parsed("{\"fx\": 721.5, \"baseline\": 1,2}"); }),
+              HasSubstr("c: baseline: found '1,2', expected a decimal point"));
+  EXPECT_THAT(error_of([] { parsed("{\"fx\": 721,5377, \"fy\": 721,5377}"); }), HasSubstr("c: fx: found '721,5377'"));
+  EXPECT_THAT(error_of([] { parsed("{\"intrinsic\": {\"u0\": 609, \"z\": 1,65}}"); }), HasSubstr("c: z: found '1,65'"));
+  EXPECT_THAT(error_of([] { parsed("fx: 700\nstereo: {baseline: 1,2, unit: m}\n"); }),
+              HasSubstr("c: baseline: found '1,2'"));
+  EXPECT_THAT(error_of([] { parsed("{\"unit\": \"m\", 5}"); }), HasSubstr("c: 5: stands between commas"));
+  EXPECT_EQ(parsed("{fx: 700, cameras: {0, 1}, note: null, \"7\": null}").require_number("fx"), 700.0);
+}
+
+TEST(NumberTableText, DecimalCommasAreNamedWhereThereAreTooManyNumbers) {
+  const auto hint = HasSubstr("is a comma meant as a decimal point?");
+  EXPECT_THAT(error_of([] { parsed("fx: 721,5377\ncx: 609\n").require_number("fx"); }),
+              AllOf(HasSubstr("c: fx: found 2 numbers, expected 1"), hint));
+  EXPECT_THAT(error_of([] { parsed("k: [740,0, 738.5, 490.0, 132.0]\n").require("k", 4); }), hint);
+  EXPECT_THAT(error_of([] { parsed("k: [740.5, 738.5, 490.5, 132.5, 0.5]\n").require("k", 4); }), Not(hint));
+  EXPECT_THAT(error_of([] { parsed("k: [740, 738, 490]\n").require("k", 4); }), Not(hint));
+}
+
+TEST(NumberTableText, AListWithoutItsEndIsRefused) {
+  EXPECT_THAT(error_of([] { parsed("[A]\nsize = [640 480]\npose = [0.5 0.1 0\n"); }),
+              HasSubstr("c: A.pose: found no ']' at the end of its list"));
+  EXPECT_THAT(error_of([] { parsed("cc_left = [ 508.0 ; 138.0\nkc_left = [ 0 ; 0 ];\n"); }),
+              HasSubstr("c: cc_left: found no ']'"));
+  const auto table = parsed("cc_left = [ 508.0 ;\n 138.0 ];\nkc_left = [ 0 ; 0 ];\n");
+  EXPECT_THAT(table.require("cc_left"), ElementsAre(508.0, 138.0));
 }
 
 /// What OpenCV 4's FileStorage writes of [700 0 600; 0 702 180; 0 0 1].

@@ -16,6 +16,35 @@ namespace {
 constexpr std::size_t kMaxNodes = 100'000;  // ten times what the largest calibration holds
 constexpr int kMaxDepth = 64;               // also ends anchors that contain themselves
 
+/// Whether this is a number that no quotes stand round.
+bool is_bare_number(const YAML::Node& node) {
+  if (!node.IsScalar() || node.Tag() == "!") return false;
+  const std::string& word = node.Scalar();
+  const bool has_digit = std::ranges::any_of(word, [](unsigned char c) { return std::isdigit(c); });
+  return has_digit && word.find_first_not_of("+-.0123456789eE") == std::string::npos;
+}
+
+/// In `{baseline: 1,2}` YAML ends the entry at the comma, and takes the 2 as the key of another one without a value.
+/// Where no entry has a value, it is a set.
+/// @throws InputError when a number stands for an entry of its own, which is never meant
+void check_no_decimal_comma(const YAML::Node& map, const std::string& source) {
+  const bool is_set = std::all_of(map.begin(), map.end(), [](const auto& item) { return item.second.IsNull(); });
+  if (map.Style() != YAML::EmitterStyle::Flow || is_set) return;
+  std::string name, value;
+  for (const auto& item : map) {
+    const bool is_part = is_bare_number(item.first) && item.second.IsNull();
+    const std::string number = item.first.IsScalar() ? item.first.Scalar() : "";
+    if (is_part && value.empty())
+      throw InputError(source, number, "stands between commas without a name, expected NAME: NUMBER");
+    if (is_part)
+      throw InputError(
+          source, name,
+          fmt::format("found '{},{}', expected a decimal point: a decimal comma ends the entry", value, number));
+    name = number;
+    value = is_bare_number(item.second) ? item.second.Scalar() : "";
+  }
+}
+
 /// Counts the nodes as a reader meets them, each alias as often as it is used.
 void count_nodes(const YAML::Node& node, const std::string& source, int depth, std::size_t& count) {
   if (++count > kMaxNodes)
@@ -24,6 +53,7 @@ void count_nodes(const YAML::Node& node, const std::string& source, int depth, s
   if (node.IsSequence()) {
     for (const auto& item : node) count_nodes(item, source, depth + 1, count);
   } else if (node.IsMap()) {
+    check_no_decimal_comma(node, source);
     for (const auto& item : node) {
       count_nodes(item.first, source, depth + 1, count);
       count_nodes(item.second, source, depth + 1, count);

@@ -87,7 +87,8 @@ std::array<double, 9> rotation_of(const NumberTable& table, const std::string& k
   if (numbers.size() != 3 && numbers.size() != 4)
     throw InputError(
         table.source, key,
-        fmt::format("found {} numbers, expected 9 of a rotation matrix or 3 of a rotation vector", numbers.size()));
+        fmt::format("found {} numbers, expected 9 of a rotation matrix or 3 of a rotation vector{}", numbers.size(),
+                    hint_of_decimal_commas(numbers, numbers.size() > rotation.size() ? rotation.size() : 3)));
   const bool is_vector = numbers.size() == 3;
   rotation = is_vector ? rotation_about({numbers[0], numbers[1], numbers[2]})
                        : rotation_of_quaternion(numbers, table.source, key);
@@ -102,7 +103,8 @@ Pose pose_of(const NumberTable& table, const std::string& key, CalibrationNotes&
   const auto& m = table.require(key);
   if (m.size() != 12 && m.size() != 16)
     throw InputError(table.source, key,
-                     fmt::format("found {} numbers, expected 16 of a 4 x 4 or 12 of a 3 x 4 pose", m.size()));
+                     fmt::format("found {} numbers, expected 16 of a 4 x 4 or 12 of a 3 x 4 pose{}", m.size(),
+                                 hint_of_decimal_commas(m, m.size() > 16 ? 16 : 12)));
   if (stands_by_columns(m)) {
     CalibrationNote note{
         fmt::format("{} is transposed (its translation stands in the last row, as MATLAB writes it) and is read so",
