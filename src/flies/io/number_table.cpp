@@ -3,15 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <pugixml.hpp>
 #include <sstream>
+#include <utility>
 
 #include "flies/core/error.hpp"
 #include "flies/core/letters.hpp"
 #include "flies/io/foreign_files.hpp"
 #include "flies/io/formats/realsense.hpp"
+#include "flies/io/formats/sides.hpp"
 #include "flies/io/number_lines.hpp"
 #include "flies/io/opencv_base64.hpp"
 #include "flies/io/text_file.hpp"
@@ -114,6 +117,17 @@ const NumberEntry* projection_of(const NumberTable& table) {
   return nullptr;
 }
 
+/// By the names that messages or files of ROS give their cameras, where the projections do not say otherwise.
+bool is_right_before_left(const NumberTable& first, const NumberTable& second) {
+  constexpr std::size_t kCount = 12, kShift = 3;
+  const auto &one = projection_of(first)->numbers, &other = projection_of(second)->numbers;
+  if (one.size() != kCount || other.size() != kCount || one[kShift] > other[kShift]) return false;
+  return std::ranges::any_of(std::array{"header.frame_id", "camera_name"}, [&](const char* key) {
+    const std::string of_first = first.word(key), of_second = second.word(key);
+    return detail::is_left_and_right(of_second, of_first) && !detail::is_left_and_right(of_first, of_second);
+  });
+}
+
 bool are_same(const NumberEntry& a, const NumberEntry& b) {
   return a.numbers == b.numbers && a.not_a_number == b.not_a_number;
 }
@@ -146,7 +160,10 @@ void merge_documents(const std::vector<std::string>& documents, NumberTable& tab
     } catch (const InputError&) {
       if (!may_be_cut) throw;
     }
-    if (may_be_cut && !projection_of(camera)) break;  // a message that was being printed when the program was ended
+    if (may_be_cut && !projection_of(camera)) {  // a message that was being printed when the program was ended
+      table.is_cut_off = true;
+      break;
+    }
     if (i > 0 && camera.entries.empty())
       throw InputError(table.source, "",
                        fmt::format("found '{}' behind the first of its maps, expected nothing or another one",
@@ -164,6 +181,7 @@ void merge_documents(const std::vector<std::string>& documents, NumberTable& tab
         table.source, "",
         fmt::format("holds {} cameras between lines of ---, expected the left and then the right one", cameras.size()));
   const bool is_pair = are_ros && cameras.size() == 2;
+  if (is_pair && is_right_before_left(cameras[0], cameras[1])) std::swap(cameras[0], cameras[1]);
   for (std::size_t i = 0; i < cameras.size(); ++i)
     for (const auto& [key, entry] : cameras[i].entries) {
       const std::string whole = (!is_pair ? "" : i == 0 ? "left." : "right.") + key;

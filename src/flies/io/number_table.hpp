@@ -22,6 +22,7 @@ inline constexpr const char* kBareNumbers = "numbers";
 struct NumberTable {
   std::string source;  ///< file name, for errors
   std::map<std::string, NumberEntry, std::less<>> entries;
+  bool is_cut_off = false;  ///< the last of its messages lacks its end, and is left out
 
   bool has(std::string_view key) const { return entries.find(key) != entries.end(); }
 

@@ -136,8 +136,26 @@ TEST(NestedFormats, MessagesOfBothCamerasMayStandInOneFile) {
   EXPECT_THAT(
       error_of([&] { load_calibration(folder.write("c.yaml", left + right + message(rig.m2, rig.d2, to.r2, third))); }),
       HasSubstr("holds 3 cameras between lines of ---"));
+  EXPECT_THAT(error_of([&] { load_calibration(folder.write("c.yaml", left + cut_in_a_line)); }),
+              HasSubstr("the message behind the first one is cut off"));
   folder.write("right.yaml", right + right);
   EXPECT_NEAR(load_calibration(folder.write("left.yaml", left + left)).camera.baseline_m, cv::norm(rig.t), kWritten_m);
+}
+
+TEST(NestedFormats, MessagesMaySayThatTheRightCameraComesFirst) {
+  const TemporaryFolder folder;
+  const ToyRig rig;
+  const auto to = rectified(rig);
+  const auto named = [](const std::string& name, std::string text) {
+    return text.replace(text.find("frame_id: camera"), 16, "frame_id: " + name);
+  };
+  const std::string left = message(rig.m1, rig.d1, to.r1, to.p1), right = message(rig.m2, rig.d2, to.r2, to.p2);
+  for (const std::string& text :
+       {named("left", left) + named("right", right), named("right", right) + named("left", left),
+        named("right", left) + named("left", right)})
+    expect_rectifies(load_calibration(folder.write("c.yaml", text), of_raw_images()), rig);
+  EXPECT_THAT(error_of([&] { load_calibration(folder.write("c.yaml", right + left)); }),
+              HasSubstr("left and right are swapped"));
 }
 
 TEST(NestedFormats, MessagesMayStandInAListOrBelowTheirTopics) {

@@ -37,6 +37,10 @@ NumberTable read_right_file(const NumberTable& left, const CalibrationRequest& r
   if (!request.right_path.empty()) return read_number_table(request.right_path);
   const auto beside = right_file_beside(left.source);
   std::error_code ignored;
+  if (left.is_cut_off && (!beside || !fs::exists(*beside, ignored)))
+    throw InputError(left.source, "right camera",
+                     "is missing: the message behind the first one is cut off: print both to their end, or each to a "
+                     "file of its own");
   if (!beside || !fs::exists(*beside, ignored))
     throw InputError(left.source, "right camera",
                      beside ? fmt::format("is missing: there is no {}", beside->string())
