@@ -20,17 +20,38 @@ namespace flies {
 namespace {
 
 /// In order of recognition: the particular before the general.
-const std::array kFormats = {&detail::kPlainYaml,     &detail::kMiddlebury,   &detail::kKittiRaw,
-                             &detail::kKittiObject,   &detail::kKalibr,       &detail::kKittiOdometry,
-                             &detail::kStellaVslam,   &detail::kOv2Slam,      &detail::kOkvis,
-                             &detail::kKimera,        &detail::kOrbSlam,      &detail::kEuroc,
-                             &detail::kZed,           &detail::kRealSense,    &detail::kDepthAi,
-                             &detail::kBasalt,        &detail::kMatlab,       &detail::kStereodemo,
-                             &detail::kStixel,        &detail::kCityscapes,   &detail::kVins,
-                             &detail::kRosCameraInfo, &detail::kDsec,         &detail::kBouguet,
-                             &detail::kArgoverse,     &detail::kOpenCvStereo, &detail::kCameraMatrixText,
-                             &detail::kMrpt,          &detail::kTwoCameras,   &detail::kVirtualKitti,
-                             &detail::kFlat};
+const std::array kFormats = {&detail::kPlainYaml,
+                             &detail::kMiddlebury,
+                             &detail::kKittiRaw,
+                             &detail::kKittiObject,
+                             &detail::kKalibr,
+                             &detail::kKittiOdometry,
+                             &detail::kStellaVslam,
+                             &detail::kOv2Slam,
+                             &detail::kOkvis,
+                             &detail::kKimera,
+                             &detail::kOrbSlam,
+                             &detail::kEuroc,
+                             &detail::kZed,
+                             &detail::kRealSense,
+                             &detail::kDepthAi,
+                             &detail::kBasalt,
+                             &detail::kMatlab,
+                             &detail::kStereodemo,
+                             &detail::kStixel,
+                             &detail::kCityscapes,
+                             &detail::kVins,
+                             &detail::kRosCameraInfo,
+                             &detail::kDsec,
+                             &detail::kBouguet,
+                             &detail::kArgoverse,
+                             &detail::kOpenCvStereo,
+                             &detail::kCameraMatrixText,
+                             &detail::kMrpt,
+                             &detail::kTwoCameras,
+                             &detail::kVirtualKitti,
+                             &detail::kFlat,
+                             &detail::kOpenCvExtrinsics};
 
 const detail::CalibrationFormat& recognise(const NumberTable& table) {
   for (const auto* format : kFormats)
@@ -378,7 +399,7 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
         request.right_path, "right calibration",
         fmt::format("is not used: {} is of the format {}, which holds everything in one file", path, format.name));
   auto calibration = format.read(table, request);
-  calibration.format = format.name;
+  if (calibration.format.empty()) calibration.format = format.name;
   detail::check_statements(table, request, calibration);
   if (request.images_are_raw && !calibration.rectifier)
     throw InputError(

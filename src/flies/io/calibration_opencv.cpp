@@ -244,11 +244,68 @@ Calibration read_reprojection(const NumberTable& table, const OpenCvNames& names
   return calibration;
 }
 
+/// Whether two files say the same of one thing, but for rounding; zeros at the end may be left out.
+bool say_the_same(const std::vector<double>& one, const std::vector<double>& other) {
+  constexpr double kRounding = 1e-4;  // of the largest number
+  double largest = 0.0, difference = 0.0;
+  for (std::size_t i = 0; i < std::max(one.size(), other.size()); ++i) {
+    const double a = i < one.size() ? one[i] : 0.0, b = i < other.size() ? other[i] : 0.0;
+    largest = std::max({largest, std::abs(a), std::abs(b)});
+    difference = std::max(difference, std::abs(a - b));
+  }
+  return difference <= kRounding * largest;
+}
+
+/// A thing that OpenCV has a name for, as a file calls it; without numbers where the file has none.
+struct NamedThing {
+  std::string key;
+  std::vector<double> numbers;
+};
+
+/// The same things in the same order of every file: first those of the cameras, then the size of the images.
+constexpr std::size_t kThingsOfCameras = 10;
+std::vector<NamedThing> things_in(const NumberTable& file) {
+  const NumberTable table = without_common_prefix(file);
+  const OpenCvNames names = opencv_names(table);
+  std::vector<NamedThing> things;
+  for (const auto& key : {names.matrices[0], names.matrices[1], names.distortions[0], names.distortions[1],
+                          names.projections[0], names.projections[1], names.rotation, names.translation, names.pose,
+                          names.reprojection, names.size, names.sides[0], names.sides[1]}) {
+    const auto found = table.entries.find(key);
+    things.push_back({key, found == table.entries.end() ? std::vector<double>() : found->second.numbers});
+  }
+  return things;
+}
+
+/// @throws InputError when the second file holds nothing of a pair, or says something else than the first
+void check_second_file(const NumberTable& first, const NumberTable& second) {
+  const auto things = things_in(first), others = things_in(second);
+  const auto is_empty = [](const NamedThing& thing) { return thing.numbers.empty(); };
+  if (std::all_of(others.begin(), others.begin() + kThingsOfCameras, is_empty))
+    throw InputError(second.source, "right calibration",
+                     fmt::format("is not used: it has none of OpenCV's matrices (M1, D1, M2, D2, R, T, P1, P2), of "
+                                 "which {} has others",
+                                 first.source));
+  constexpr std::size_t kMatrix = 9, kVector = 3;
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    const auto &one = things[i].numbers, &other = others[i].numbers;
+    const bool is_other_form =
+        std::min(one.size(), other.size()) == kVector && std::max(one.size(), other.size()) == kMatrix;
+    if (is_empty(things[i]) || is_empty(others[i]) || is_other_form || say_the_same(one, other)) continue;
+    throw InputError(
+        second.source, others[i].key,
+        fmt::format("says something else than {} in {}: give the two files of one calibration, or one file "
+                    "that holds all",
+                    things[i].key, first.source));
+  }
+}
+
 Calibration read_opencv(const NumberTable& file, const CalibrationRequest& request) {
   NumberTable table = file;
   const bool has_second_file = !request.right_path.empty();
   if (has_second_file) {
     const auto second = read_number_table(request.right_path);
+    check_second_file(file, second);
     table.entries.insert(second.entries.begin(), second.entries.end());
     table.source += " with " + request.right_path;
   }
@@ -283,6 +340,11 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
         {"the images are taken as rectified because the file holds P1 and P2; M1, D1, M2, D2, R and T are ignored "
          "(give --raw if the images are as the cameras gave them)",
          CalibrationNoteKind::told});
+  else if (names.has_matrices && table.has("R1") && table.has("R2"))
+    calibration.notes.push_back(
+        {"R and T are missing, without which raw images cannot be rectified, so the images are taken as rectified. If "
+         "they are raw, give R and T too, as stereoCalibrate returns them",
+         has_second_file ? CalibrationNoteKind::doubt : CalibrationNoteKind::told});
   else if (table.has("R1") && table.has("R2"))
     calibration.notes.push_back(
         {"the file holds the extrinsics of raw cameras without their intrinsics, so the images are taken as rectified. "
@@ -291,7 +353,29 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
   return calibration;
 }
 
+bool has_pose_of_cameras(const NumberTable& table) {
+  const OpenCvNames names = opencv_names(table);
+  const auto count = [&](const std::string& key) {
+    const auto found = table.entries.find(key);
+    return found == table.entries.end() ? 0 : found->second.numbers.size();
+  };
+  const auto of_pose = count(names.pose), of_rotation = count(names.rotation);
+  return of_pose == 12 || of_pose == 16 || ((of_rotation == 9 || of_rotation == 3) && count(names.translation) == 3);
+}
+
+/// R and T alone; the intrinsics are in the second file.
+Calibration read_extrinsics(const NumberTable& table, const CalibrationRequest& request) {
+  if (request.right_path.empty())
+    throw InputError(
+        table.source, "M1, D1, M2, D2",
+        "are missing, at least by names that are known here: the file says only how the cameras stand to each "
+        "other (R, T); if the intrinsics are in a file of their own, give it too (--right-calib FILE)");
+  return read_opencv(table, request);
+}
+
 }  // namespace
+
+const CalibrationFormat kOpenCvExtrinsics{"OpenCV extrinsics", false, true, has_pose_of_cameras, read_extrinsics};
 
 const CalibrationFormat kOpenCvStereo{"OpenCV stereo", false, true,
                                       [](const NumberTable& table) {

@@ -65,9 +65,69 @@ NumberTable less_other_cameras(NumberTable table) {
 
 double baseline_of(const NumberTable& table, const FoundCamera& camera, const CalibrationRequest& request) {
   if (const auto baseline = baseline_in(table, camera.fx_px)) return baseline->value;
-  if (!request.right_path.empty() || (has_lens(table) && !request.baseline_m))
-    throw_one_camera(table.source, camera.key);
+  if (has_lens(table) && !request.baseline_m) throw_one_camera(table.source, camera.key);
   return missing_baseline(request, table.source, "baseline");
+}
+
+/// Whether a file says how two cameras stand to each other.
+bool has_pose(const NumberTable& table) { return opencv_names(table).has_pose; }
+
+/// One camera of two by OpenCV's names: what the other file has too gets the name of its side.
+void add_side(const NumberTable& file, const NumberTable& other, const std::string& side, NumberTable& table,
+              CalibrationNotes& notes) {
+  for (const auto& [key, entry] : file.entries) {
+    const auto same = other.entries.find(key);
+    const bool is_in_both = same != other.entries.end();
+    if (is_in_both) table.entries[key + side] = entry;
+    if (!is_in_both || (same->second.numbers == entry.numbers && same->second.not_a_number == entry.not_a_number))
+      table.entries.emplace(key, entry);
+  }
+  const FoundCamera camera = camera_in(file, notes);
+  const auto matrix = camera_matrix(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px);
+  table.entries.erase(camera.key + side);
+  table.entries["camera_matrix" + side].numbers.assign(matrix.begin(), matrix.end());
+  if (!file.has("k1")) return;
+  CalibrationNotes of_other_file;
+  table.entries["D" + side].numbers = named_lens(file, of_other_file) == Lens::equidistant
+                                          ? coefficients_of(file, "", {"k1", "k2", "k3", "k4"})
+                                          : coefficients_of(file, "", {"k1", "k2", "p1", "p2", "k3"});
+}
+
+/// A file a camera, as calibrateCamera leaves them, and R and T in one of both.
+Calibration read_file_a_camera(const NumberTable& left, const CalibrationRequest& request) {
+  const NumberTable right = less_other_cameras(read_number_table(request.right_path));
+  CalibrationNotes notes;
+  const bool is_complete = baseline_in(left, camera_in(left, notes).fx_px) && !has_pose(left) && !has_pose(right);
+  if (is_complete || !has_camera(right))
+    throw InputError(request.right_path, "right calibration",
+                     fmt::format("is not used: {} describes {}", left.source,
+                                 is_complete ? "a rectified pair completely in one file"
+                                             : "one camera, and this file not the other one"));
+  NumberTable table{left.source + " with " + right.source, {}};
+  notes.clear();
+  add_side(left, right, "_left", table, notes);
+  add_side(right, left, "_right", table, notes);
+  if (!has_pose(table) && has_pose(left) && has_pose(right))
+    throw InputError(right.source, "R, T",
+                     fmt::format("say something else than those in {}: expected them once, from the left camera to the "
+                                 "right one, as stereoCalibrate gives them",
+                                 left.source));
+  if (!has_pose(table) && (has_lens(left) || has_lens(right) || !request.baseline_m))
+    throw InputError(table.source, "R, T",
+                     "are missing: two raw cameras need how they stand to each other, as stereoCalibrate gives it; "
+                     "--baseline M is enough for rectified images alone, whose lenses have no distortion");
+  const auto size_of = [&](const NumberTable& file) {
+    const FoundCamera camera = camera_in(file, notes);
+    return size_in(file,
+                   {camera.key, camera.cx_px, camera.cy_px, request.calibrated_width_px, request.calibrated_height_px});
+  };
+  check_same_size(size_of(left), size_of(right), right.source, "image size");
+  CalibrationRequest of_one_file = request;
+  of_one_file.right_path.clear();
+  auto calibration = kOpenCvStereo.read(table, of_one_file);
+  calibration.notes.insert(calibration.notes.begin(), notes.begin(), notes.end());
+  calibration.format = kOpenCvStereo.name;
+  return calibration;
 }
 
 /// A translation beside the baseline is that of the right camera, as stereoCalibrate gives it, unless it goes elsewhere
@@ -101,6 +161,7 @@ void check_focal_unit(const FoundCamera& camera, ImageSize size, const std::stri
 Calibration read_flat(const NumberTable& table, const CalibrationRequest& request) {
   Calibration calibration;
   const NumberTable own = less_other_cameras(table);
+  if (!request.right_path.empty()) return read_file_a_camera(own, request);
   const FoundCamera found = camera_in(own, calibration.notes);
   auto& camera = calibration.camera;
   camera.fx_px = found.fx_px;
@@ -109,9 +170,6 @@ Calibration read_flat(const NumberTable& table, const CalibrationRequest& reques
   camera.cx_right_px = found.cx_right_px;
   camera.cy_px = found.cy_px;
   camera.baseline_m = baseline_of(table, found, request);
-  if (!request.right_path.empty())
-    throw InputError(request.right_path, "right calibration",
-                     fmt::format("is not used: {} describes a rectified pair completely in one file", table.source));
   note_translation(own, camera.baseline_m, request, calibration.notes);
   const auto size =
       size_in(own, {found.key, found.cx_px, found.cy_px, request.calibrated_width_px, request.calibrated_height_px});

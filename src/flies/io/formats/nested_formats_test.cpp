@@ -79,7 +79,8 @@ TEST(NestedFormats, QAloneIsTheRectifiedCamera) {
   const std::string turned = "Q: [1, 0, 0, -320, 0, -1, 0, 240, 0, 0, 0, -512, 0, 0, 1, 0]\n";
   EXPECT_THAT(error_of([&] { load_calibration(folder.write("c", turned)); }), HasSubstr("as stereoRectify gives it"));
   const std::string beside_a_pose = "Q: " + rows(to.q) + "\nR: [0, 0, 0]\nT: [-0.12, 0, 0]\nleftIntr: [1, 2, 3]\n";
-  EXPECT_THAT(error_of([&] { load_calibration(folder.write("c", beside_a_pose)); }), HasSubstr("not recognised"))
+  EXPECT_THAT(error_of([&] { load_calibration(folder.write("c", beside_a_pose)); }),
+              HasSubstr("M1, D1, M2, D2: are missing"))
       << "of raw images, by names that are not known";
 }
 
