@@ -15,6 +15,16 @@ bool is_of_camera(const NumberTable& table) {
          table.has("projection_parameters.mu");
 }
 
+/// The rational one of PINHOLE_FULL is that of PINHOLE with more coefficients.
+Lens lens_of_camodocal(const NumberTable& table) {
+  const std::string model = table.word("model_type");
+  if (model == "pinhole" || model == "pinhole_full") return Lens::brown;
+  if (model == "mei") return Lens::mei;
+  if (model == "kannala_brandt") return Lens::equidistant;
+  throw InputError(table.source, "model_type",
+                   fmt::format("found '{}', expected PINHOLE, PINHOLE_FULL, MEI or KANNALA_BRANDT", model));
+}
+
 RawCamera read_camera(const NumberTable& table) {
   const std::string projection = "projection_parameters.", distortion = "distortion_parameters.";
   const auto matrix = [&](const char* fx, const char* fy, const char* cx, const char* cy) {
@@ -22,7 +32,7 @@ RawCamera read_camera(const NumberTable& table) {
                          table.require_number(projection + cx), table.require_number(projection + cy));
   };
   RawCamera raw;
-  raw.lens = lens_of(table.word("model_type"), "model_type", table.source);
+  raw.lens = lens_of_camodocal(table);
   switch (raw.lens) {
     case Lens::equidistant:
       raw.matrix = matrix("mu", "mv", "u0", "v0");
@@ -36,12 +46,12 @@ RawCamera read_camera(const NumberTable& table) {
       raw.distortion.insert(raw.distortion.end(), bent.begin(), bent.end());
       return raw;
     }
-    case Lens::brown:
-      raw.matrix = matrix("fx", "fy", "cx", "cy");
-      raw.distortion = coefficients_of(table, distortion, {"k1", "k2", "p1", "p2"});
-      return raw;
     default:
-      throw InputError(table.source, "model_type", "expected PINHOLE, MEI or KANNALA_BRANDT");
+      raw.matrix = matrix("fx", "fy", "cx", "cy");
+      raw.distortion = table.word("model_type") == "pinhole_full"
+                           ? coefficients_of(table, distortion, {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"})
+                           : coefficients_of(table, distortion, {"k1", "k2", "p1", "p2"});
+      return raw;
   }
 }
 
@@ -69,6 +79,9 @@ Calibration read_vins(const NumberTable& table, const CalibrationRequest& reques
     throw InputError(table.source, "body_T_cam0, body_T_cam1",
                      "are missing: this file describes one camera without its pose; give the configuration file that "
                      "names the files of both cameras");
+  if (!request.right_path.empty())
+    throw InputError(request.right_path, "right calibration",
+                     fmt::format("is not used: {} names the files of both cameras", table.source));
   const NumberTable left = camera_table(table, "cam0"), right = camera_table(table, "cam1");
   RawPair pair{{}, left.source, right.source, "body_T_cam1"};
   if (left.source == right.source) {
@@ -90,7 +103,7 @@ Calibration read_vins(const NumberTable& table, const CalibrationRequest& reques
 
 }  // namespace
 
-const CalibrationFormat kVins{"VINS-Fusion configuration", false, false,
+const CalibrationFormat kVins{"VINS-Fusion configuration", false, true,
                               [](const NumberTable& table) { return table.has("body_T_cam0") || is_of_camera(table); },
                               read_vins};
 

@@ -179,6 +179,37 @@ std::string camodocal(const ToyRig& rig, bool is_right) {
          keyed("   ", {{"gamma1", m(0, 0)}, {"gamma2", m(1, 1)}, {"u0", m(0, 2)}, {"v0", m(1, 2)}});
 }
 
+TEST(Formats, VinsFusionHasRationalLensesToo) {
+  const TemporaryFolder folder;
+  ToyRig rig;
+  rig.d1 = {-0.2, 0.05, 0.0005, -0.0003, 0.01, 0.02, 0.01, 0.005};
+  rig.d2 = {-0.21, 0.06, -0.0002, 0.0004, 0.012, 0.018, 0.011, 0.004};
+  const auto camera = [&](bool is_right, const std::string& model) {
+    const auto& m = is_right ? rig.m2 : rig.m1;
+    const auto& d = is_right ? rig.d2 : rig.d1;
+    return "%YAML:1.0\n---\nmodel_type: " + model + "\nimage_width: 640\nimage_height: 480\ndistortion_parameters:\n" +
+           keyed("   ", {{"k1", d[0]},
+                         {"k2", d[1]},
+                         {"k3", d[4]},
+                         {"k4", d[5]},
+                         {"k5", d[6]},
+                         {"k6", d[7]},
+                         {"p1", d[2]},
+                         {"p2", d[3]}}) +
+           "projection_parameters:\n" +
+           keyed("   ", {{"fx", m(0, 0)}, {"fy", m(1, 1)}, {"cx", m(0, 2)}, {"cy", m(1, 2)}});
+  };
+  const auto path =
+      folder.write("stereo.yaml", "%YAML:1.0\n---\ncam0_calib: \"cam0.yaml\"\ncam1_calib: \"cam1.yaml\"\n" +
+                                      opencv_matrix("body_T_cam0", body_from_left()) +
+                                      opencv_matrix("body_T_cam1", body_from_right(rig)));
+  for (const bool is_right : {false, true})
+    folder.write(is_right ? "cam1.yaml" : "cam0.yaml", camera(is_right, "PINHOLE_FULL"));
+  expect_rectifies(load_calibration(path), rig);
+  folder.write("cam0.yaml", camera(false, "SCARAMUZZA"));
+  EXPECT_THAT(error_of([&] { load_calibration(path); }), HasSubstr("expected PINHOLE, PINHOLE_FULL, MEI or KANNALA"));
+}
+
 TEST(Formats, VinsFusionReadsTheFilesThatItNamesAndRectifies) {
   const TemporaryFolder folder;
   for (const auto& rig : {ToyRig(), ToyRig::fisheye(), ToyRig::of(Lens::mei, {1.5, -0.1, 0.05, 0.001, -0.001}, 1000)}) {
@@ -204,8 +235,13 @@ TEST(Formats, VinsFusionReadsTheFilesThatItNamesAndRectifies) {
                                           opencv_matrix("body_T_cam1", right_from_left(rig).inv().t())));
   EXPECT_THAT(fmt::format("{}", fmt::join(texts(transposed.notes), "; ")), HasSubstr("body_T_cam1 is transposed"));
   expect_rectifies(transposed, rig);
-  EXPECT_THAT(error_of([&] { load_calibration(folder.file("cam0_any.yaml")); }),
-              HasSubstr("body_T_cam0, body_T_cam1: are missing: this file describes one camera"));
+  CalibrationRequest of_both;
+  of_both.right_path = folder.file("cam1_any.yaml");
+  for (const auto& request : {CalibrationRequest(), of_both})
+    EXPECT_THAT(error_of([&] { load_calibration(folder.file("cam0_any.yaml"), request); }),
+                HasSubstr("body_T_cam0, body_T_cam1: are missing: this file describes one camera"));
+  EXPECT_THAT(error_of([&] { load_calibration(folder.file("stereo.yaml"), of_both); }),
+              HasSubstr("right calibration: is not used"));
   std::filesystem::remove(folder.file("cam1_any.yaml"));
   EXPECT_THAT(error_of([&] { load_calibration(folder.file("stereo.yaml")); }),
               AllOf(HasSubstr("stereo.yaml: cam1_calib: names"), HasSubstr("cam1_any.yaml, which is not there")));
