@@ -22,7 +22,7 @@ struct CalibrationFormat {
 extern const CalibrationFormat kKittiObject, kKittiRaw, kKittiOdometry, kMiddlebury, kPlainYaml, kRosCameraInfo,
     kOpenCvStereo, kKalibr, kEuroc, kOrbSlam, kZed, kDepthAi, kBasalt, kMatlab, kCameraMatrixText, kStereodemo, kStixel,
     kCityscapes, kVins, kRealSense, kStellaVslam, kOkvis, kOv2Slam, kKimera, kFlat, kVirtualKitti, kMrpt, kTwoCameras,
-    kDsec, kBouguet, kArgoverse, kOpenCvExtrinsics;
+    kDsec, kBouguet, kArgoverse, kOpenCvExtrinsics, kMaplab;
 
 /// A 3 x 4 projection matrix and where it was read.
 struct ProjectionKey {

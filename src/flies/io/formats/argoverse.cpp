@@ -50,7 +50,7 @@ Calibration read_argoverse(const NumberTable& table, const CalibrationRequest& r
   pair.distortion_keys = {left + "distortion_coefficients_", right + "distortion_coefficients_"};
   pair.stereo.left = argoverse_camera(table, left);
   pair.stereo.right = argoverse_camera(table, right);
-  set_pose(pair.stereo, chained(inverse(vehicle_from_camera(table, right)), vehicle_from_camera(table, left)));
+  set_body_poses(pair, vehicle_from_camera(table, left), vehicle_from_camera(table, right));
   return calibration_from_pair(std::move(pair), request, table.source);
 }
 

@@ -58,7 +58,7 @@ Calibration read_basalt(const NumberTable& table, const CalibrationRequest& requ
                fmt::format("value0.T_imu_cam.{}", right)};
   pair.stereo.left = read_camera(table, left);
   pair.stereo.right = read_camera(table, right);
-  set_pose(pair.stereo, chained(inverse(read_pose(table, right)), read_pose(table, left)));
+  set_body_poses(pair, read_pose(table, left), read_pose(table, right));
   const ImageSize size = read_size(table, left);
   check_same_size(size, read_size(table, right), table.source, "value0.resolution");
   pair.stereo.width_px = size.width_px;

@@ -22,7 +22,7 @@ Calibration read_euroc(const NumberTable& left, const CalibrationRequest& reques
   pair.stereo.right = read_camera(right);
   const Pose body_from_left = pose_of(left, "T_BS", pair.notes);
   const Pose body_from_right = pose_of(right, "T_BS", pair.notes);
-  set_pose(pair.stereo, chained(inverse(body_from_right), body_from_left));
+  set_body_poses(pair, body_from_left, body_from_right);
   const auto size = size_of_list(left, "resolution"), other = size_of_list(right, "resolution");
   check_same_size(size, other, right.source, "resolution");
   pair.stereo.width_px = size.width_px;

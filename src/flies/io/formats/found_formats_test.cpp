@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
+#include <tuple>
 
 #include "flies/io/calibration.hpp"
 #include "flies/io/formats/rig_texts.hpp"
@@ -227,6 +229,14 @@ TEST(FoundFormats, PosesInTheFrameOfABody) {
            "_camera_distortion_coefficients: " + list(four_of(d)) + "\n" + side +
            "_camera_extrinsics: " + list(numbers(pose)) + "\n";
   };
+  const auto maplab = [&](const cv::Mat& pose, const cv::Matx33d& m, const std::vector<double>& d) {
+    return "- camera:\n    image_height: 480\n    image_width: 640\n    type: pinhole\n    intrinsics:\n      cols: 1\n"
+           "      rows: 4\n      data: " +
+           focal_and_centre(m) +
+           "\n    distortion:\n      type: radial-tangential\n      parameters:\n        cols: 1\n        rows: 4\n"
+           "        data: " +
+           list(four_of(d)) + "\n  T_B_C:\n    cols: 4\n    rows: 4\n    data: " + list(numbers(pose)) + "\n";
+  };
   const cv::Mat left = body_from_left(), right = body_from_right(rig);
   for (const auto& [format, text] :
        {std::pair<std::string, std::string>{
@@ -238,12 +248,43 @@ TEST(FoundFormats, PosesInTheFrameOfABody) {
         {"Kimera's file of both cameras",
          "camera_model: pinhole\ndistortion_model: radial-tangential\n"
          "camera_resolution: [640, 480]\n" +
-             kimera("left", left, rig.m1, rig.d1) + kimera("right", right, rig.m2, rig.d2)}}) {
+             kimera("left", left, rig.m1, rig.d1) + kimera("right", right, rig.m2, rig.d2)},
+        {"maplab cameras",
+         "label: stereo\ncameras:\n" + maplab(left, rig.m1, rig.d1) + maplab(right, rig.m2, rig.d2)}}) {
     SCOPED_TRACE(format);
     const auto calibration = load_calibration(folder.write("c", text));
     EXPECT_EQ(calibration.format, format);
     expect_rectifies(calibration, rig);
   }
+}
+
+TEST(FoundFormats, MaplabHasOtherLensesThanRadialOnes) {
+  const TemporaryFolder folder;
+  const auto camera = [](const ToyRig& rig, bool is_right, const std::string& type, const std::string& bent,
+                         std::size_t own) {
+    const auto& m = is_right ? rig.m2 : rig.m1;
+    const auto& d = is_right ? rig.d2 : rig.d1;
+    std::vector<double> intrinsics(d.begin(), d.begin() + static_cast<std::ptrdiff_t>(own));
+    for (const double number : {m(0, 0), m(1, 1), m(0, 2), m(1, 2)}) intrinsics.push_back(number);
+    return "  - camera: {image_height: 480, image_width: 640, type: " + type +
+           ", intrinsics: {data: " + list(intrinsics) + "}, distortion: {type: " + bent +
+           ", parameters: {data: " + list({d.begin() + static_cast<std::ptrdiff_t>(own), d.end()}) +
+           "}}}\n    T_B_C: " + list(numbers(is_right ? body_from_right(rig) : body_from_left())) + "\n";
+  };
+  const auto both = [&](const ToyRig& rig, const std::string& type, const std::string& bent, std::size_t own) {
+    return folder.write("c", "sensors:\n- sensor_type: NCAMERA\n  cameras:\n" + camera(rig, false, type, bent, own) +
+                                 camera(rig, true, type, bent, own));
+  };
+  for (const auto& [rig, type, bent, own] :
+       {std::tuple{ToyRig::fisheye(), "pinhole", "equidistant", std::size_t{0}},
+        std::tuple{ToyRig::of(Lens::fov, {0.9}, 300), "pinhole", "fisheye", std::size_t{0}},
+        std::tuple{ToyRig::of(Lens::mei, {1.5, -0.1, 0.05, 0.001, -0.001}, 1000), "unified-projection",
+                   "radial-tangential", std::size_t{1}}}) {
+    SCOPED_TRACE(bent);
+    expect_rectifies(load_calibration(both(rig, type, bent, own)), rig);
+  }
+  EXPECT_THAT(error_of([&] { load_calibration(both(ToyRig(), "camera-3d-lidar", "none", 0)); }),
+              HasSubstr("found 'camera-3d-lidar', expected pinhole or unified-projection"));
 }
 
 TEST(FoundFormats, KalibrsFileMayStandBelowAKey) {

@@ -1,6 +1,7 @@
 // Kalibr's camchain.yaml: https://github.com/ethz-asl/kalibr/wiki/yaml-formats
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -39,31 +40,42 @@ RawCamera read_camera(const NumberTable& table, const std::string& camera) {
   return raw;
 }
 
-/// Where a camera stands: the frame of the inertial unit in that of the camera, of files that do not chain cameras.
-/// OpenVINS writes the inverse of what Kalibr does.
-Pose from_inertial(const NumberTable& table, int camera, CalibrationNotes& notes) {
-  const std::string of_kalibr = name_of(camera) + ".T_cam_imu", of_openvins = name_of(camera) + ".T_imu_cam";
-  return table.has(of_kalibr) ? pose_of(table, of_kalibr, notes) : inverse(pose_of(table, of_openvins, notes));
+/// How files that do not chain cameras call the frame of a body in that of the camera, and the inverse of that.
+constexpr std::array kFromBody = {"T_cam_imu", "T_cam_body", "T_C_B"};
+constexpr std::array kToBody = {"T_imu_cam", "T_body_cam", "T_B_C"};
+
+/// The key of a camera's pose in the frame of a body; "" when it has none.
+std::string key_of_body(const NumberTable& table, int camera) {
+  for (const auto& names : {kFromBody, kToBody})
+    for (const char* name : names)
+      if (const auto key = name_of(camera) + "." + name; table.has(key)) return key;
+  return "";
 }
 
-bool has_inertial(const NumberTable& table, int camera) {
-  return table.has(name_of(camera) + ".T_cam_imu") || table.has(name_of(camera) + ".T_imu_cam");
+Pose body_from_camera(const NumberTable& table, int camera, CalibrationNotes& notes) {
+  const std::string key = key_of_body(table, camera);
+  const Pose pose = pose_of(table, key, notes);
+  const bool is_inverse = std::ranges::any_of(kFromBody, [&](const char* name) { return key.ends_with(name); });
+  return is_inverse ? inverse(pose) : pose;
+}
+
+bool have_body(const NumberTable& table, const std::array<int, 2>& cameras) {
+  return !key_of_body(table, cameras[0]).empty() && !key_of_body(table, cameras[1]).empty();
 }
 
 /// Points of a camera in the frame of a later one: the file chains each to the one before it.
 Pose along_chain(const NumberTable& table, int from, int to, CalibrationNotes& notes) {
   Pose pose;
-  for (int i = from + 1; i <= to; ++i) pose = chained(pose_of(table, name_of(i) + ".T_cn_cnm1", notes), pose);
+  for (int i = from + 1; i <= to; ++i) {
+    const std::string key = name_of(i) + ".T_cn_cnm1";
+    if (!table.has(key))
+      throw InputError(table.source, key, "is missing, and so is T_cam_imu or T_imu_cam of both cameras");
+    pose = chained(pose_of(table, key, notes), pose);
+  }
   return pose;
 }
 
-/// From the left to the right camera, by where both stand in the frame of the inertial unit.
-Pose by_inertial(const NumberTable& table, const std::array<int, 2>& cameras, CalibrationNotes& notes) {
-  const Pose right = from_inertial(table, cameras[1], notes);
-  return chained(right, inverse(from_inertial(table, cameras[0], notes)));
-}
-
-/// The same by the chain.
+/// From the left to the right camera.
 Pose by_chain(const NumberTable& table, const std::array<int, 2>& cameras, CalibrationNotes& notes) {
   const auto [left, right] = cameras;
   return left < right ? along_chain(table, left, right, notes) : inverse(along_chain(table, right, left, notes));
@@ -72,12 +84,13 @@ Pose by_chain(const NumberTable& table, const std::array<int, 2>& cameras, Calib
 /// Notes that the poses of the inertial unit, which a chained file need not have, say another distance.
 void note_inertial(const NumberTable& table, const std::array<int, 2>& cameras, const FoundNumber& used,
                    const CalibrationRequest& request, CalibrationNotes& notes) {
-  if (!has_inertial(table, cameras[0]) || !has_inertial(table, cameras[1])) return;
+  if (!have_body(table, cameras)) return;
   try {
     CalibrationNotes of_unused;
-    const Pose pose = by_inertial(table, cameras, of_unused);
-    const char* name = table.has(name_of(cameras[1]) + ".T_cam_imu") ? "T_cam_imu" : "T_imu_cam";
-    note_other_baseline(used, length_of(name, pose), request, notes);
+    const Pose right = body_from_camera(table, cameras[1], of_unused);
+    const Pose pose = chained(inverse(right), body_from_camera(table, cameras[0], of_unused));
+    const std::string key = key_of_body(table, cameras[1]);
+    note_other_baseline(used, length_of(key.substr(key.find('.') + 1), pose), request, notes);
   } catch (const InputError&) {
     return;  // no poses, and nobody asked for them
   }
@@ -118,11 +131,15 @@ Calibration read_kalibr(const NumberTable& file, const CalibrationRequest& reque
   RawPair pair{{}, left, right, right + ".T_cn_cnm1"};
   pair.stereo.left = read_camera(table, left);
   pair.stereo.right = read_camera(table, right);
-  const bool is_chained =
-      table.has("cam1.T_cn_cnm1") || !has_inertial(table, cameras[0]) || !has_inertial(table, cameras[1]);
-  const Pose pose = is_chained ? by_chain(table, cameras, pair.notes) : by_inertial(table, cameras, pair.notes);
-  set_pose(pair.stereo, pose);
-  if (is_chained) note_inertial(table, cameras, length_of("T_cn_cnm1", pose), request, pair.notes);
+  if (table.has("cam1.T_cn_cnm1") || !have_body(table, cameras)) {
+    const Pose pose = by_chain(table, cameras, pair.notes);
+    set_pose(pair.stereo, pose);
+    note_inertial(table, cameras, length_of("T_cn_cnm1", pose), request, pair.notes);
+  } else {
+    pair.pose_key = key_of_body(table, cameras[1]);
+    const Pose body_from_left = body_from_camera(table, cameras[0], pair.notes);
+    set_body_poses(pair, body_from_left, body_from_camera(table, cameras[1], pair.notes));
+  }
   const auto size = size_of_list(table, left + ".resolution"), other = size_of_list(table, right + ".resolution");
   check_same_size(size, other, table.source, right + ".resolution");
   pair.stereo.width_px = size.width_px;

@@ -155,9 +155,9 @@ TEST(Poses, OfKalibrsCamerasAgainstTheInertialUnitRectify) {
            list({d[0], d[1], d[2], d[3]}) + "\n  intrinsics: " + focal_and_centre(m) + "\n  " + pose + "\n";
   };
   const cv::Mat left = body_from_left(), right = body_from_right(rig);
-  for (const bool is_openvins : {false, true}) {
+  for (const std::string name : {"T_cam_imu", "T_cam_body", "T_imu_cam", "T_B_C"}) {
     const auto pose = [&](const cv::Mat& body_from_camera) {
-      return is_openvins ? "T_imu_cam: " + rows(body_from_camera) : "T_cam_imu: " + rows(body_from_camera.inv());
+      return name + ": " + rows(name.starts_with("T_cam") ? cv::Mat(body_from_camera.inv()) : body_from_camera);
     };
     expect_rectifies(load_calibration(folder.write("c", "cam0:\n" + camera(pose(left), rig.m1, rig.d1) + "cam1:\n" +
                                                             camera(pose(right), rig.m2, rig.d2))),
@@ -184,6 +184,32 @@ TEST(Poses, OfBodiesAreReadByRowsAndByColumns) {
     folder.write("right.yaml", sensor(right[i], rig.m2, rig.d2));
     expect_rectifies(load_calibration(folder.write("left.yaml", sensor(left[i], rig.m1, rig.d1))), rig);
   }
+}
+
+/// A body whose x points ahead, as a car's: its z is up, and the left camera stands 0.3 m ahead of its origin.
+cv::Mat car_from_left() { return (cv::Mat_<double>(4, 4) << 0, 0, 1, 0.3, -1, 0, 0, 0.1, 0, -1, 0, 1.2, 0, 0, 0, 1); }
+
+TEST(Poses, ThatAreInverseOrInMillimetresAreToldSo) {
+  const TemporaryFolder folder;
+  const ToyRig rig;
+  const auto sensor = [](const cv::Mat& pose, const cv::Matx33d& m, const std::vector<double>& d) {
+    return "T_BS: " + list(numbers(pose)) +
+           "\nresolution: [640, 480]\ndistortion_model: radial-tangential\nintrinsics: " + focal_and_centre(m) +
+           "\ndistortion_coefficients: " + list({d[0], d[1], d[2], d[3]}) + "\n";
+  };
+  const cv::Mat left = car_from_left(), right = left * right_from_left(rig).inv();
+  const auto load = [&](const cv::Mat& of_left, const cv::Mat& of_right) {
+    folder.write("right.yaml", sensor(of_right, rig.m2, rig.d2));
+    return load_calibration(folder.write("left.yaml", sensor(of_left, rig.m1, rig.d1)));
+  };
+  expect_rectifies(load(left, right), rig);
+  EXPECT_THAT(error_of([&] { load(left.inv(), right.inv()); }),
+              HasSubstr("T_BS: the poses of both cameras seem to be the inverse ones: inverted, they put the cameras "
+                        "side by side, 0.12"));
+  cv::Mat in_mm = right.clone();
+  in_mm(cv::Rect(3, 0, 1, 3)) *= 1000.0;
+  EXPECT_THAT(error_of([&] { load(left, in_mm); }),
+              HasSubstr("T_BS: the translation of the right camera seems to be in millimetres"));
 }
 
 TEST(Poses, ThatAreNoneAreRefused) {

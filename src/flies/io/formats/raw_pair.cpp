@@ -142,10 +142,38 @@ void complete_distortion(RawPair& pair) {
   }
 }
 
+/// Whether the right camera is at the right of the left one, and both look the same way.
+bool is_side_by_side(const Pose& right_from_left) {
+  constexpr double kMostSlant = 0.1, kLeastCosine = 0.87;  // as of rectified cameras; 30 degrees
+  const auto& t = right_from_left.translation;
+  return t[0] < 0.0 && std::hypot(t[1], t[2]) < -kMostSlant * t[0] && right_from_left.rotation[8] > kLeastCosine;
+}
+
+/// What would put cameras side by side whose poses in the frame of a body do not; empty when nothing would.
+std::string cause_in_body_poses(const RawPair& pair) {
+  if (!pair.body_poses) return {};
+  const auto& [left, right] = *pair.body_poses;
+  if (const Pose turned_round = chained(right, inverse(left)); is_side_by_side(turned_round))
+    return fmt::format(
+        "{}: the poses of both cameras seem to be the inverse ones: inverted, they put the cameras side by side, "
+        "{:.4g} "
+        "m apart",
+        pair.pose_key, -turned_round.translation[0]);
+  for (const bool is_left : {true, false}) {
+    const Pose one = is_left ? scaled(left, 1e-3) : left, other = is_left ? right : scaled(right, 1e-3);
+    if (is_side_by_side(chained(inverse(other), one)))
+      return fmt::format(
+          "{}: the translation of the {} camera seems to be in millimetres, and that of the other one in metres",
+          pair.pose_key, is_left ? "left" : "right");
+  }
+  return {};
+}
+
 /// What most often makes two cameras see nothing in common; empty when neither size nor unit is odd.
 std::string cause_of_failure(const RawPair& pair) {
   constexpr double kAlike = 1.4, kLeastBaseline_m = 0.005, kFarthest = 0.25;
   const RawStereo& raw = pair.stereo;
+  if (auto cause = cause_in_body_poses(pair); !cause.empty()) return cause;
   const double left_px = raw.left.matrix[0], right_px = raw.right.matrix[0];
   const double apart_m = std::hypot(raw.translation_m[0], raw.translation_m[1], raw.translation_m[2]);
   if (std::max(left_px, right_px) > kAlike * std::min(left_px, right_px))
@@ -236,6 +264,11 @@ bool are_millimetres(std::span<const double> translation) {
 void set_pose(RawStereo& stereo, const Pose& right_from_left) {
   stereo.rotation = right_from_left.rotation;
   stereo.translation_m = right_from_left.translation;
+}
+
+void set_body_poses(RawPair& pair, const Pose& body_from_left, const Pose& body_from_right) {
+  pair.body_poses = {body_from_left, body_from_right};
+  set_pose(pair.stereo, chained(inverse(body_from_right), body_from_left));
 }
 
 std::array<double, 9> camera_matrix(double fx_px, double fy_px, double cx_px, double cy_px) {

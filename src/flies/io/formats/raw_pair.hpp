@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@ struct RawPair {
   CalibrationNotes notes = {};      ///< on how they were read
   /// Those of the coefficients of left and right; empty where they are below the keys above.
   std::array<std::string, 2> distortion_keys = {};
+  /// body_from_left and body_from_right, of files that say where both cameras stand in a frame of something else.
+  std::optional<std::array<Pose, 2>> body_poses = {};
 
   const std::string& left_distortion() const { return distortion_keys[0].empty() ? left_key : distortion_keys[0]; }
   const std::string& right_distortion() const { return distortion_keys[1].empty() ? right_key : distortion_keys[1]; }
@@ -41,6 +44,9 @@ bool are_millimetres(std::span<const double> translation);
 
 /// Sets rotation and translation of the right camera.
 void set_pose(RawStereo& stereo, const Pose& right_from_left);
+
+/// The same by where both cameras stand in the frame of a body.
+void set_body_poses(RawPair& pair, const Pose& body_from_left, const Pose& body_from_right);
 
 /// fx, fy, cx, cy as a camera matrix.
 std::array<double, 9> camera_matrix(double fx_px, double fy_px, double cx_px, double cy_px);

@@ -93,7 +93,7 @@ Calibration read_vins(const NumberTable& table, const CalibrationRequest& reques
   pair.stereo.right = read_camera(right);
   const Pose body_from_left = pose_of(table, "body_T_cam0", pair.notes);
   const Pose body_from_right = pose_of(table, "body_T_cam1", pair.notes);
-  set_pose(pair.stereo, chained(inverse(body_from_right), body_from_left));
+  set_body_poses(pair, body_from_left, body_from_right);
   const auto of_left = size_of(left, table), of_right = size_of(right, table);
   check_same_size(of_left, of_right, right.source, "image_width, image_height");
   pair.stereo.width_px = of_left.width_px;
