@@ -48,7 +48,7 @@ constexpr std::array kToBody = {"T_imu_cam", "T_body_cam", "T_B_C"};
 std::string key_of_body(const NumberTable& table, int camera) {
   for (const auto& names : {kFromBody, kToBody})
     for (const char* name : names)
-      if (const auto key = name_of(camera) + "." + name; table.has(key)) return key;
+      if (auto key = name_of(camera) + "." + name; table.has(key)) return key;
   return "";
 }
 
