@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -48,6 +50,43 @@ TEST_F(LiveOutputs, TheFilmOfTrackIsToo) {
   EXPECT_EQ(result.status, 2);
   EXPECT_EQ(lines(result.err).back(), "flies: p: cannot write: whoever read it went away");
   EXPECT_GE(pictures_of("v.mp4"), 1);
+}
+
+TEST_F(LiveOutputs, TheFirstSignalEndsTheRunThoughNobodyReadsItsLines) {
+  const std::string pipe = (folder.path() / "p").string();
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDWR);  // it never reads
+  ASSERT_GE(reader, 0);
+  constexpr int kNearlyFull = 60000;
+  const RunResult result = interrupt_flies(
+      folder.path(), {"live", "beside.avi", "--calib", "calib.txt", "--loop", "--every-pair", "--json", "p"}, SIGTERM,
+      [&] {
+        int bytes = 0;
+        return ::ioctl(reader, FIONREAD, &bytes) == 0 && bytes > kNearlyFull;
+      });
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("p: is not read any more, so its last lines are missing"));
+  ::close(reader);
+}
+
+TEST_F(LiveOutputs, OtherCommandsDoNotReplaceAFileThatIsBeingWritten) {
+  const std::string path = (folder.path() / "out.jsonl").string();
+  const int other = ::open(path.c_str(), O_WRONLY | O_CREAT, 0600);
+  ASSERT_EQ(::flock(other, LOCK_EX), 0);
+  for (const char* option : {"--json", "--csv", "--scan"}) {
+    const RunResult result =
+        run_flies(folder.path(), {"detect", "left.png", "right.png", "--calib", "calib.txt", option, "out.jsonl"});
+    EXPECT_EQ(result.status, 2) << option;
+    EXPECT_EQ(lines(result.err).back(),
+              "flies: out.jsonl: another run is writing it, expected a file of its own for each run");
+  }
+  ::close(other);
+}
+
+TEST_F(LiveOutputs, SourcesOfTwoKindsAreTold) {
+  const RunResult result = run({"l.avi", "right", "--calib", "calib.txt"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(lines(result.err).back(), "flies: right: is a folder, but l.avi is none: expected two sources of one kind");
 }
 
 TEST_F(LiveOutputs, WithNothingElseToCloseAPipeThatClosesEndsTheRunQuietly) {

@@ -92,6 +92,9 @@ void open_folders(LiveArguments& arguments, OutputClaims& claims) {
   if (flies::detail::is_there(first) && !flies::detail::is_there_as_folder(first) && recording_of(first))
     refuse_recording(first);
   if (!flies::detail::is_there_as_folder(first)) {
+    if (arguments.sources.size() > 1 && flies::detail::is_there_as_folder(arguments.sources[1]))
+      throw flies::InputError(arguments.sources[1], "",
+                              "is a folder, but " + first + " is none: expected two sources of one kind");
     if (!arguments.times.empty())
       throw flies::InputError("command line", "--times",
                               "is for folders of images; other sources have their own times");

@@ -6,7 +6,6 @@
 
 #include "flies/core/mat_view.hpp"
 #include "flies/io/image_codecs.hpp"
-#include "shared/standard_output.hpp"
 
 TrackedFrame tracked_frame(const LiveFrame& frame) {
   return {.frame = static_cast<int>(frame.pair->number),
@@ -51,7 +50,4 @@ void JsonSink::pass_over(const LiveFrame& frame) {
   file_->write(track_json_line(tracked_frame(frame), frame.snapshot->error));
 }
 
-void TableSink::take(const LiveFrame& frame) {
-  print(track_table(tracked_frame(frame)));
-  flush_standard_output();
-}
+void TableSink::take(const LiveFrame& frame) { out_.write(track_table(tracked_frame(frame))); }

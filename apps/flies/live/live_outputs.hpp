@@ -40,4 +40,7 @@ class JsonSink final : public LiveSink {
 class TableSink final : public LiveSink {
  public:
   void take(const LiveFrame& frame) override;
+
+ private:
+  LineFile out_{"-"};
 };

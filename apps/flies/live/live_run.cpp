@@ -266,6 +266,8 @@ bool LiveRun::is_paused() const {
 }
 
 void LiveRun::set_option(const std::string& path, const std::string& text) {
+  if (path == "threads")
+    throw flies::InputError("options", path, "cannot be changed while flies runs; give it at the start");
   const std::lock_guard lock(mutex_);
   if (flies::is_tracker_option(path)) {
     flies::set_option(following_, path, text, "options");

@@ -15,6 +15,8 @@ class LineFile {
   LineFile(const LineFile&) = delete;
   LineFile& operator=(const LineFile&) = delete;
 
+  /// Waits for the reader of a pipe; when the user has asked for the end and nobody reads, this and all further lines
+  /// are left out.
   /// @param line with its line feed
   /// @throws flies::InputError naming the file when the disk is full or the like
   void write(const std::string& line);
@@ -22,6 +24,7 @@ class LineFile {
  private:
   std::string path_;
   int descriptor_ = -1;
-  bool is_ours_ = false;  ///< a regular file, which nobody else writes
-  off_t whole_ = 0;       ///< bytes of whole lines
+  bool is_ours_ = false;      ///< a regular file, which nobody else writes
+  bool is_given_up_ = false;  ///< nobody reads, and the user asked for the end
+  off_t whole_ = 0;           ///< bytes of whole lines
 };
