@@ -11,6 +11,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/io/formats/cross_checks.hpp"
+#include "flies/io/formats/distortion_names.hpp"
 #include "flies/io/formats/opencv_names.hpp"
 #include "flies/io/formats/quantities.hpp"
 #include "flies/io/formats/raw_pair.hpp"
@@ -69,12 +70,12 @@ std::string key_of_coefficients(const NumberTable& table) {
 }
 
 /// @throws InputError when a file whose lenses are taken as free of distortion has coefficients under another name
-void check_no_distortion(const NumberTable& table) {
-  const std::string key = key_of_coefficients(table);
-  if (key.empty()) return;
-  throw InputError(table.source, key,
-                   fmt::format("found {} numbers: are they distortion coefficients? expected those as D1 and D2",
-                               table.entries.at(key).numbers.size()));
+void check_no_other_distortion(const NumberTable& table, const OpenCvNames& names) {
+  if (const std::string key = key_of_coefficients(table); !key.empty())
+    throw InputError(table.source, key,
+                     fmt::format("found {} numbers: are they distortion coefficients? expected those as D1 and D2",
+                                 table.entries.at(key).numbers.size()));
+  for (const auto& matrix : names.matrices) check_no_distortion(table, matrix.substr(0, matrix.rfind('.') + 1));
 }
 
 /// Metres per unit of a distance of the cameras: the unit that the file names, unless that is of something else, as of
@@ -162,13 +163,13 @@ RawPair raw_pair(const NumberTable& table, const OpenCvNames& names, const Calib
   // OpenCV's own names stand in for those that are not there.
   const bool is_undistorted = !table.has(names.distortions[0]) && !table.has(names.distortions[1]);
   if (is_undistorted) {
-    check_no_distortion(table);
-    pair.notes.push_back({"the file has no distortion coefficients: the lenses are taken as free of distortion"});
+    check_no_other_distortion(table, names);
+    pair.notes.push_back(note_on_missing_distortion());
   }
   if (!is_undistorted) pair.distortion_keys = names.distortions;
   const auto camera_of = [&](std::size_t side) {
     RawCamera camera{intrinsics_of(table, names.matrices[side]), {}, lens};
-    if (!is_undistorted) camera.distortion = table.require(names.distortions[side]);
+    if (!is_undistorted) camera.distortion = distortion_at(table, names.distortions[side], lens).coefficients;
     if (names.mirrors[side].empty()) return camera;
     camera.lens = Lens::mei;
     camera.distortion.insert(camera.distortion.begin(), table.require_number(names.mirrors[side]));
@@ -309,7 +310,7 @@ Calibration read_opencv(const NumberTable& file, const CalibrationRequest& reque
     table.entries.insert(second.entries.begin(), second.entries.end());
     table.source += " with " + request.right_path;
   }
-  table = without_common_prefix(table);
+  table = with_listed_translation(without_common_prefix(table));
   const OpenCvNames names = opencv_names(table);
   if (names.has_reprojection_only) return read_reprojection(table, names, request);
   const bool has_rectified = names.has_projections;

@@ -12,6 +12,7 @@
 #include "flies/core/error.hpp"
 #include "flies/core/name_hint.hpp"
 #include "flies/core/options.hpp"
+#include "flies/io/formats/distortion_names.hpp"
 #include "flies/io/formats/quantities.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 #include "flies/io/formats/second_file.hpp"
@@ -73,14 +74,18 @@ struct RosCamera : RosCameraKeys {
   std::string key(const char* of_file, const char* of_ros1, const char* of_ros2) const {
     return first_key({of_file, of_ros1, of_ros2}).value_or(prefix + of_file);
   }
+  /// Drivers of cameras that bend nothing leave the list empty.
+  std::vector<double> distortion(Lens lens) const {
+    const auto key = first_key({"distortion_coefficients", "D", "d"});
+    const bool is_empty = key && table.entries.find(*key)->second.numbers.empty();
+    return is_empty ? std::vector<double>() : distortion_of(table, prefix, lens);
+  }
   RectifiedView view(CalibrationNotes& notes) const {
     RectifiedView view;
     view.camera.matrix = matrix_of(table, key("camera_matrix", "K", "k"));
-    const std::string model_key = prefix + "distortion_model", distortion = key("distortion_coefficients", "D", "d");
+    const std::string model_key = prefix + "distortion_model";
     view.camera.lens = lens_of(table.word(model_key), model_key, table.source);
-    if (const auto found = table.entries.find(distortion);
-        found != table.entries.end() && !found->second.numbers.empty())
-      view.camera.distortion = table.require(distortion);
+    view.camera.distortion = distortion(view.camera.lens);
     view.rotation = rotation_of(table, key("rectification_matrix", "R", "r"), notes);
     if (is_zero(view.rotation)) view.rotation = Pose{}.rotation;  // drivers leave it out of cameras that need none
     view.projection = table.require(projection().key, 12);
@@ -95,9 +100,9 @@ struct RosCamera : RosCameraKeys {
   int width_px() const { return size_px({"image_width", "width"}); }
   int height_px() const { return size_px({"image_height", "height"}); }
   bool is_distorted() const {
-    const auto key = first_key({"distortion_coefficients", "D", "d"});
-    if (!key) return false;
-    return !is_zero(table.entries.find(*key)->second.numbers);
+    return std::ranges::any_of(table.entries, [&](const auto& item) {
+      return item.first.starts_with(prefix) && holds_distortion(item.first, item.second);
+    });
   }
   /// @throws InputError when it is a camera that nobody calibrated, of which ROS has zeros
   void check_calibrated() const {

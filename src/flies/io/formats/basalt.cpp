@@ -19,6 +19,7 @@ RawCamera read_camera(const NumberTable& table, int camera) {
   if (raw.lens == Lens::double_sphere) raw.distortion = {number("xi"), number("alpha")};
   if (raw.lens == Lens::unified) raw.distortion = {number("alpha"), type == "eucm" ? number("beta") : 1.0};
   if (raw.lens == Lens::equidistant) raw.distortion = {number("k1"), number("k2"), number("k3"), number("k4")};
+  if (type == "pinhole") raw.distortion.resize(4);
   if (type == "pinhole-radtan8")
     raw.distortion = {number("k1"), number("k2"), number("p1"), number("p2"),
                       number("k3"), number("k4"), number("k5"), number("k6")};

@@ -1,5 +1,6 @@
 // A sensor.yaml for each camera, as the EuRoC MAV data set has them, and Kimera after it: T_BS is the camera's pose in
 // the frame of the body.
+#include "flies/io/formats/distortion_names.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 #include "flies/io/formats/second_file.hpp"
 
@@ -11,7 +12,8 @@ RawCamera read_camera(const NumberTable& table) {
   raw.lens = lens_of(table.word("distortion_model"), "distortion_model", table.source);
   const auto& numbers = table.require("intrinsics", 4);
   raw.matrix = camera_matrix(numbers[0], numbers[1], numbers[2], numbers[3]);
-  if (table.has("distortion_coefficients")) raw.distortion = table.require("distortion_coefficients");
+  raw.distortion = distortion_of(table, "", raw.lens);
+  if (raw.distortion.empty() && table.word("distortion_model") == "none") raw.distortion.resize(4);
   return raw;
 }
 

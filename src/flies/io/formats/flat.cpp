@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <set>
 #include <string>
 
@@ -11,6 +10,7 @@
 #include "flies/core/plausible.hpp"
 #include "flies/io/calibration_formats.hpp"
 #include "flies/io/formats/cross_checks.hpp"
+#include "flies/io/formats/distortion_names.hpp"
 #include "flies/io/formats/lens_names.hpp"
 #include "flies/io/formats/nesting.hpp"
 #include "flies/io/formats/opencv_names.hpp"
@@ -20,16 +20,8 @@
 namespace flies::detail {
 namespace {
 
-constexpr std::initializer_list<const char*> kLens = {
-    "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "D", "dist", "distortion", "coeffs", "distortion_coefficients"};
-
 bool has_lens(const NumberTable& table) {
-  return std::ranges::any_of(table.entries, [](const auto& item) {
-    const auto& [key, entry] = item;
-    const std::string name = key.substr(key.rfind('.') + 1);
-    return std::ranges::find(kLens, name) != kLens.end() &&
-           std::ranges::any_of(entry.numbers, [](double number) { return number != 0.0; });
-  });
+  return std::ranges::any_of(table.entries, [](const auto& item) { return holds_distortion(item.first, item.second); });
 }
 
 /// The model of a lens that a file names and that rectified images do not have.

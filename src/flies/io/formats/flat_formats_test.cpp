@@ -70,8 +70,10 @@ TEST(FlatFormats, CoefficientsThatAreLeftOutAreToldWhicheverOfThemIsNot0) {
   const auto notes = [&](const std::string& lens) {
     return texts(load_calibration(folder.write("c", camera + lens)).notes);
   };
-  for (const char* lens : {"k1: 0\nk2: 0.2\n", "k1: 0\nk2: 0\np1: 0.001\n", "p2: 0.001\n", "k1: 0\nk3: 0.1\n",
-                           "k1: 0\ndist: [0.1, 0, 0, 0]\n"})
+  for (const char* lens :
+       {"k1: 0\nk2: 0.2\n", "k1: 0\nk2: 0\np1: 0.001\n", "p2: 0.001\n", "k1: 0\nk3: 0.1\n",
+        "k1: 0\ndist: [0.1, 0, 0, 0]\n", "dist_coeffs: [0.1, 0, 0, 0]\n", "distCoeffs: [0.1, 0, 0, 0]\n",
+        "distortion_coeffs: [0.1, 0, 0, 0]\n", "d: [0.1, 0, 0, 0]\n", "kc: [0.1, 0, 0, 0, 0]\n", "k: [0.1, 0, 0, 0]\n"})
     EXPECT_THAT(notes(lens), Contains(HasSubstr("the distortion coefficients are ignored"))) << lens;
   EXPECT_THAT(notes("k1: 0\nk2: 0\np1: 0\np2: 0\nk3: 0\n"), Not(Contains(HasSubstr("distortion"))));
 }

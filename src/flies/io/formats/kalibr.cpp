@@ -9,6 +9,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/io/formats/cross_checks.hpp"
+#include "flies/io/formats/distortion_names.hpp"
 #include "flies/io/formats/nesting.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
@@ -16,6 +17,15 @@ namespace flies::detail {
 namespace {
 
 std::string name_of(int camera) { return fmt::format("cam{}", camera); }
+
+/// @throws InputError when there are coefficients that are not 0, and no model that they are of
+void check_no_distortion_of(const NumberTable& table, const std::string& camera, const std::string& model_key) {
+  for (const auto& [key, entry] : table.entries)
+    if (key.starts_with(camera + ".") && holds_distortion(key, entry))
+      throw InputError(table.source, model_key,
+                       fmt::format("{}, and {} holds coefficients: expected their model, radtan or equidistant",
+                                   table.has(model_key) ? "found 'none'" : "is missing", key));
+}
 
 /// What stands before the camera's focal lengths in `intrinsics`, and the lens that says so.
 RawCamera read_camera(const NumberTable& table, const std::string& camera) {
@@ -29,13 +39,18 @@ RawCamera read_camera(const NumberTable& table, const std::string& camera) {
   raw.distortion.assign(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(own));
   raw.matrix = camera_matrix(numbers[own], numbers[own + 1], numbers[own + 2], numbers[own + 3]);
   const std::string distortion_key = camera + ".distortion_model", distortion = table.word(distortion_key);
-  if (distortion.empty() || distortion == "none") return raw;
+  if (distortion.empty() || distortion == "none") {
+    check_no_distortion_of(table, camera, distortion_key);
+    if (distortion == "none" && (raw.lens == Lens::brown || raw.lens == Lens::mei)) raw.distortion.resize(own + 4);
+    return raw;
+  }
   const Lens bent = lens_of(distortion, distortion_key, table.source);
   if (raw.lens == Lens::brown) raw.lens = bent;
   if (own > 0 && (raw.lens != Lens::mei || bent != Lens::brown))
     throw InputError(table.source, distortion_key,
                      fmt::format("found '{}' beside the camera model '{}', which has none", distortion, model));
-  const auto& coefficients = table.require(camera + ".distortion_coeffs");
+  const auto found = distortion_below(table, camera + ".", bent);
+  const auto& coefficients = found.key.empty() ? table.require(camera + ".distortion_coeffs") : found.coefficients;
   raw.distortion.insert(raw.distortion.end(), coefficients.begin(), coefficients.end());
   return raw;
 }

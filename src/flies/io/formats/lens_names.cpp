@@ -12,6 +12,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/letters.hpp"
+#include "flies/io/formats/distortion_names.hpp"
 
 namespace flies::detail {
 namespace {
@@ -174,8 +175,7 @@ bool bends_rays(const NumberTable& table, std::string_view place) {
     const std::string_view key = item.first;
     if (!key.starts_with(place)) return false;
     const bool holds_coefficients =
-        is_one_of(plain_name(key), {"d", "dist", "distortion", "coeffs", "coefficients", "distcoeffs",
-                                    "distortioncoeffs", "distortioncoefficients"}) ||
+        is_distortion_name(plain_name(key)) ||
         std::ranges::find(kOneByOne, key.substr(place_of(key).size())) != std::end(kOneByOne);
     return holds_coefficients && std::ranges::any_of(item.second.numbers, [](double c) { return c != 0.0; });
   });

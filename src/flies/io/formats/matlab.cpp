@@ -2,6 +2,7 @@
 // https://www.mathworks.com/help/vision/ref/stereoparameters.html, .../stereoparameterstoopencv.html
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -15,9 +16,14 @@
 namespace flies::detail {
 namespace {
 
-/// Of a struct, and of an object whose intrinsics are one of their own.
-constexpr std::array<std::string_view, 2> kFirstCamera = {"CameraParameters1.RadialDistortion",
-                                                          "CameraParameters1.Intrinsics.RadialDistortion"};
+/// Of a struct, and of an object whose intrinsics are one of their own. The matrix is there where the coefficients are
+/// missing.
+constexpr std::array<std::string_view, 6> kFirstCamera = {"CameraParameters1.RadialDistortion",
+                                                          "CameraParameters1.Intrinsics.RadialDistortion",
+                                                          "CameraParameters1.IntrinsicMatrix",
+                                                          "CameraParameters1.Intrinsics.IntrinsicMatrix",
+                                                          "CameraParameters1.K",
+                                                          "CameraParameters1.Intrinsics.K"};
 
 /// Of a fisheyeParameters: the key of the coefficients of its own model.
 std::optional<std::string> key_of_mapping(const NumberTable& table) {
@@ -37,7 +43,10 @@ std::optional<std::string> prefix_of(const NumberTable& table) {
 /// What stands before the names of one camera.
 std::string camera_of(const NumberTable& table, const std::string& prefix, int camera) {
   const std::string key = fmt::format("{}CameraParameters{}.", prefix, camera), inner = key + "Intrinsics.";
-  return table.has(inner + "RadialDistortion") ? inner : key;
+  const bool has_inner = std::ranges::any_of(std::array{"RadialDistortion", "IntrinsicMatrix", "K"},
+                                             [&](const char* name) { return table.has(inner + name); });
+  const auto has_radial = [&](const std::string& where) { return table.has(where + "RadialDistortion"); };
+  return has_radial(inner) || (has_inner && !has_radial(key)) ? inner : key;
 }
 
 std::string matrix_key(const NumberTable& table, const std::string& camera) {

@@ -1,5 +1,6 @@
 #include "flies/io/formats/opencv_names.hpp"
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <set>
@@ -8,6 +9,8 @@
 #include <vector>
 
 #include "flies/core/letters.hpp"
+#include "flies/io/formats/distortion_names.hpp"
+#include "flies/io/formats/named_keys.hpp"
 
 namespace flies::detail {
 namespace {
@@ -47,20 +50,6 @@ const Words kMatrix = {"m",
                        "newmtx",
                        "newcameramtx",
                        "newcameramatrix"};
-const Words kDistortion = {"d",
-                           "distcoeffs",
-                           "distcoeff",
-                           "dist",
-                           "distortion",
-                           "distortioncoefficients",
-                           "distortioncoeffs",
-                           "distortioncoeff",
-                           "distortions",
-                           "distortionvector",
-                           "discoeffs",
-                           "disto",
-                           "distcoef",
-                           "distcoefs"};
 /// Behind the name of a fisheye's distortion, as Stereolabs writes it: D_LEFT_FE.
 constexpr const char* kFisheye = "fe";
 const Words kProjection = {"p", "projection", "projectionmatrix", "proj", "projmatrix", "projmat"};
@@ -106,13 +95,33 @@ const Words kPose = {"rt",
                      "lefttoright",
                      "tlefttoright",
                      "transformlefttoright"};
-const Words kOfBoth = {"", "stereo", "extrinsics", "extrinsic", "stereoparams", "camera2", "cam2"};
+const Words kOfBoth = {"", "stereo", "extrinsics", "extrinsic", "stereoparams"};
 const Words kSize = {"imagesize", "imgsize", "size", "resolution", "imageresolution"};
 const Words kShape = {"imageshape", "imgshape", "shape"};  // of a NumPy array: rows, columns
 const Words kReprojection = {"q", "qmatrix", "disparitytodepth", "disparitytodepthmatrix", "reprojectionmatrix"};
 const std::vector<Pair> kWidthHeight = {{"imagewidth", "imageheight"},         {"width", "height"},
                                         {"imagesizewidth", "imagesizeheight"}, {"imgwidth", "imgheight"},
                                         {"sizewidth", "sizeheight"},           {"resolutionwidth", "resolutionheight"}};
+
+/// Behind lengths whose name says their unit: T_mm.
+const Words kUnits = {"", "mm", "cm", "m", "inmm", "incm", "inm", "millimeters", "centimeters", "meters"};
+
+Words with_units(const Words& names) {
+  Words found;
+  for (const auto& unit : kUnits)
+    for (const auto& name : names) found.push_back(name + unit);
+  return found;
+}
+
+/// Of a left camera in whose frame the right one stands: no turn, or no shift.
+bool is_neutral(const std::vector<double>& numbers) {
+  constexpr std::size_t kSide = 3;
+  if (numbers.size() != kSide * kSide)
+    return !numbers.empty() && std::ranges::all_of(numbers, [](double number) { return number == 0.0; });
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    if (numbers[i] != (i % (kSide + 1) == 0 ? 1.0 : 0.0)) return false;
+  return true;
+}
 
 /// The keys of a file by their letters and digits, small.
 class Keys {
@@ -122,6 +131,7 @@ class Keys {
     for (const auto& [key, entry] : table.entries) {
       if ((entry.numbers.size() == 1) != single) continue;
       keys_.emplace(plain_letters(key), key);
+      if (is_neutral(entry.numbers)) neutral_.insert(key);
     }
   }
   std::string find(const std::string& plain) const {
@@ -134,14 +144,16 @@ class Keys {
         if (auto key = find(prefix + name); !key.empty()) return key;
     return "";
   }
-  /// Below the key of the right camera, and not below that of the left one: `right.R`.
+  /// Below the key of the right camera, and not below that of the left one, or there of a camera that is not turned or
+  /// shifted: `right.R`.
   std::string find_below_right(const Words& names) const {
     const auto find_below = [&](const std::string& side) {
       const std::string key = find_first({side, side + "extrinsics", side + "extrinsic"}, names);
-      return key.find('.') == std::string::npos ? "" : key;
+      const bool is_numbered = side == "camera2" || side == "cam2";  // which nothing else is called
+      return key.find('.') == std::string::npos && !is_numbered ? "" : key;
     };
     for (const auto& [left, right] : kSides)
-      if (auto key = find_below(right); !key.empty() && find_below(left).empty()) return key;
+      if (auto key = find_below(right); !key.empty() && is_none_or_neutral(find_below(left))) return key;
     return "";
   }
   std::string find_of_side(const Words& names, const std::string& side, const std::string& ending) const {
@@ -163,11 +175,25 @@ class Keys {
   }
 
  private:
+  bool is_none_or_neutral(const std::string& key) const { return key.empty() || neutral_.contains(key); }
+
   std::map<std::string, std::string> keys_;
+  std::set<std::string> neutral_;
 };
 
 Pair or_else(const Pair& found, const Pair& otherwise) {
   return {found[0].empty() ? otherwise[0] : found[0], found[1].empty() ? otherwise[1] : found[1]};
+}
+
+/// Lists of coefficients; or the first of those that stand one a key, or lists of radial ones.
+Pair distortions_in(const Keys& keys, const Keys& single) {
+  Words first = {"k1"}, of_camera = distortion_names();
+  for (const auto& name : distortion_names()) first.push_back(name + "k1");
+  of_camera.push_back("");
+  for (const auto& found : {keys.find_of_sides(distortion_names()), single.find_of_sides(of_camera, "k1"),
+                            single.find_of_sides(first), keys.find_of_sides({"radial", "radialdistortion"})})
+    if (!found[0].empty() || !found[1].empty()) return found;
+  return {};
 }
 
 std::string or_else(const std::string& found, const char* otherwise) { return found.empty() ? otherwise : found; }
@@ -178,16 +204,15 @@ OpenCvNames opencv_names(const NumberTable& table) {
   const Keys keys(table, false), single(table, true);
   const auto has_any = [](const Pair& pair) { return !pair[0].empty() || !pair[1].empty(); };
   const Pair matrices = keys.find_of_sides(kMatrix), projections = keys.find_of_sides(kProjection);
-  std::string rotation = keys.find_first(kOfBoth, kRotation), translation = keys.find_first(kOfBoth, kTranslation);
-  if (rotation.empty() && translation.empty()) {
-    rotation = keys.find_below_right(kRotation);
-    translation = keys.find_below_right(kTranslation);
-  }
+  const Words translations = with_units(kTranslation);
+  std::string rotation = keys.find_first(kOfBoth, kRotation), translation = keys.find_first(kOfBoth, translations);
+  if (rotation.empty()) rotation = keys.find_below_right(kRotation);
+  if (translation.empty()) translation = keys.find_below_right(translations);
   OpenCvNames names;
   names.has_matrices = has_any(matrices);
   names.has_projections = has_any(projections);
   names.matrices = or_else(matrices, {"M1", "M2"});
-  const Pair distortions = keys.find_of_sides(kDistortion), of_fisheyes = keys.find_of_sides(kDistortion, kFisheye);
+  const Pair distortions = distortions_in(keys, single), of_fisheyes = keys.find_of_sides(distortion_names(), kFisheye);
   names.are_fisheyes = !has_any(distortions) && has_any(of_fisheyes);
   names.distortions = or_else(names.are_fisheyes ? of_fisheyes : distortions, {"D1", "D2"});
   names.projections = or_else(projections, {"P1", "P2"});
@@ -213,6 +238,22 @@ OpenCvNames opencv_names(const NumberTable& table) {
     break;
   }
   return names;
+}
+
+NumberTable with_listed_translation(NumberTable table) {
+  const Words names = with_units(kTranslation);
+  std::vector<std::string> maps;
+  for (const auto& [key, entry] : table.entries)
+    if (key.ends_with(".x")) maps.push_back(key.substr(0, key.size() - 2));
+  for (const auto& map : maps) {
+    if (table.has(map) || std::ranges::find(names, plain_name(map)) == names.end()) continue;
+    NumberEntry list;
+    for (const char* axis : {".x", ".y", ".z"})
+      if (const auto entry = table.entries.find(map + axis); entry != table.entries.end())
+        list.numbers.insert(list.numbers.end(), entry->second.numbers.begin(), entry->second.numbers.end());
+    table.entries.emplace(map, std::move(list));
+  }
+  return table;
 }
 
 NumberTable without_common_prefix(const NumberTable& table) {

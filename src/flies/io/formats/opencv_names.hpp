@@ -32,6 +32,10 @@ struct OpenCvNames {
 
 OpenCvNames opencv_names(const NumberTable& table);
 
+/// The file with a translation whose x, y and z stand one a key (`T: {x: ..., y: ..., z: ...}`) as the list that others
+/// write.
+NumberTable with_listed_translation(NumberTable table);
+
 /// The file without what stands before the names of both cameras, as in `stereo.left.K`; as it is where nothing does. A
 /// name in front that says `fisheye` is kept as the model of the lens.
 NumberTable without_common_prefix(const NumberTable& table);

@@ -6,6 +6,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/io/formats/cross_checks.hpp"
+#include "flies/io/formats/distortion_names.hpp"
 #include "flies/io/formats/opencv_names.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
@@ -20,10 +21,8 @@ ImageSize size_of(const NumberTable& table) {
 /// @param prefix "Camera.", "Camera1." or "Camera2."
 RawCamera read_camera(const NumberTable& table, const std::string& prefix, Lens lens) {
   const auto number = [&](const char* name) { return table.require_number(prefix + name); };
-  RawCamera raw{camera_matrix(number("fx"), number("fy"), number("cx"), number("cy")), {}, lens};
-  raw.distortion = lens == Lens::equidistant ? coefficients_of(table, prefix, {"k1", "k2", "k3", "k4"})
-                                             : coefficients_of(table, prefix, {"k1", "k2", "p1", "p2", "k3"});
-  return raw;
+  return {camera_matrix(number("fx"), number("fy"), number("cx"), number("cy")),
+          distortion_below(table, prefix, lens).coefficients, lens};
 }
 
 /// Metres of `Stereo.b`, or of the older `Camera.bf`, focal length times metres. A file that has both is a copy of one
@@ -126,6 +125,20 @@ Calibration read_views(const NumberTable& table, const CalibrationRequest& reque
   return calibration_from_raw(std::move(pair), request, table.source);
 }
 
+/// @param left what the keys of the left camera begin with
+/// @throws InputError when coefficients stand where they are not read, as those of older settings do: below Camera
+void check_all_distortion_is_read(const NumberTable& table, const RawStereo& stereo, const std::string& left) {
+  if (!stereo.left.distortion.empty() && !stereo.right.distortion.empty()) return;
+  if (stereo.left.distortion.empty()) check_no_distortion(table, left);
+  if (stereo.right.distortion.empty()) check_no_distortion(table, "Camera2.");
+  const auto older = distortion_below(table, "Camera.", stereo.left.lens);
+  if (left == "Camera." || older.key.empty()) return;
+  if (std::ranges::any_of(older.coefficients, [](double c) { return c != 0.0; }))
+    throw InputError(table.source, older.key,
+                     "stands beside Camera1.fx and Camera2.fx and does not say of which camera: expected Camera1.k1, "
+                     "Camera2.k1, ...");
+}
+
 Calibration read_orb_slam(const NumberTable& table, const CalibrationRequest& request) {
   if (table.has("LEFT.K") || table.has("RIGHT.K")) return read_views(table, request);
   const bool is_third = table.has("Camera1.fx");
@@ -136,6 +149,7 @@ Calibration read_orb_slam(const NumberTable& table, const CalibrationRequest& re
   RawPair pair{{}, left + "fx", "Camera2.fx", pose_key};
   pair.stereo.left = read_camera(table, left, lens);
   pair.stereo.right = read_camera(table, "Camera2.", lens);
+  check_all_distortion_is_read(table, pair.stereo, left);
   const Pose pose = inverse(pose_of(table, pose_key, pair.notes));
   set_pose(pair.stereo, pose);
   if (const auto b = table.entries.find("Stereo.b"); b != table.entries.end() && b->second.numbers.size() == 1)

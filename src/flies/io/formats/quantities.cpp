@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/letters.hpp"
 #include "flies/core/plausible.hpp"
 #include "flies/io/formats/named_keys.hpp"
 
@@ -139,6 +140,13 @@ std::optional<std::optional<double>> unit_of_baseline(std::string_view plain) {
   return std::nullopt;
 }
 
+/// Metres per unit that the name of a length ends in behind a `_`: T_mm.
+std::optional<double> unit_in_name(const std::string& length) {
+  const std::string name = in_small_letters(length.substr(length.rfind('.') + 1));
+  const auto sign = name.rfind('_');
+  return sign == std::string::npos ? std::nullopt : metres_per(std::string_view(name).substr(sign + 1));
+}
+
 /// Where the unit of a length is named, beside it or below no other key; "" when it is not.
 std::string key_of_unit(const NumberTable& table, const std::string& length) {
   constexpr std::string_view kPixels[] = {"px", "pixel", "pixels"};  // of focal lengths
@@ -197,6 +205,7 @@ FoundCamera camera_in(const NumberTable& table, CalibrationNotes& notes) {
 }
 
 std::optional<double> unit_of(const NumberTable& table, const std::string& length) {
+  if (const auto unit = unit_in_name(length)) return unit;
   const std::string key = key_of_unit(table, length);
   if (key.empty()) return std::nullopt;
   const auto unit = known_unit_of(table, length);
@@ -206,6 +215,7 @@ std::optional<double> unit_of(const NumberTable& table, const std::string& lengt
 }
 
 std::optional<double> known_unit_of(const NumberTable& table, const std::string& length) {
+  if (const auto unit = unit_in_name(length)) return unit;
   const std::string word = table.word(key_of_unit(table, length));
   return metres_per(word.substr(word.rfind('.') + 1));  // of Python's Unit.MILLIMETER
 }

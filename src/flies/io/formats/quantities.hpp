@@ -46,7 +46,8 @@ std::optional<FoundNumber> doffs_in(const NumberTable& table);
 /// The largest error, in pixels, that a file says its calibration left: rms, avg_reprojection_error, ...
 std::optional<FoundNumber> calibration_error_in(const NumberTable& table);
 
-/// Metres per unit of the length at this key, where the file says so beside it or below no other key: `units: mm`.
+/// Metres per unit of the length at this key, where the file says so in its name (`T_mm`), beside it or below no other
+/// key: `units: mm`.
 /// @throws InputError when it names an unknown one
 std::optional<double> unit_of(const NumberTable& table, const std::string& length);
 

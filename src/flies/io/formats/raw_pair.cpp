@@ -12,6 +12,7 @@
 
 #include "flies/core/error.hpp"
 #include "flies/core/plausible.hpp"
+#include "flies/io/formats/distortion_names.hpp"
 #include "flies/io/formats/raw_checks.hpp"
 
 namespace flies::detail {
@@ -129,6 +130,33 @@ CalibrationNotes notes_on(const RawPair& pair, const std::string& source) {
   return notes;
 }
 
+/// Whether a file says nothing of the distortion of a lens that may have some; what Mei's model has of its own comes
+/// first.
+bool lacks_distortion(const RawCamera& camera) {
+  return (camera.lens == Lens::brown && camera.distortion.empty()) ||
+         (camera.lens == Lens::mei && camera.distortion.size() == 1);
+}
+
+/// Notes that neither camera has coefficients.
+/// @throws InputError when only one of them has: who wrote or copied the file lost those of the other
+void check_both_have_distortion(RawPair& pair, const std::string& source) {
+  const RawCamera &left = pair.stereo.left, &right = pair.stereo.right;
+  const auto is_bent = [](const RawCamera& camera) {
+    return !lacks_distortion(camera) && std::ranges::any_of(camera.distortion, [](double c) { return c != 0.0; });
+  };
+  const auto refuse = [&](const std::string& lacking, const std::string& other) {
+    throw InputError(source, lacking,
+                     fmt::format("has no distortion coefficients, and {} has some: expected those of both cameras "
+                                 "(zeros for a lens that bends nothing)",
+                                 other));
+  };
+  if (lacks_distortion(right) && is_bent(left)) refuse(pair.right_key, pair.left_key);
+  if (lacks_distortion(left) && is_bent(right)) refuse(pair.left_key, pair.right_key);
+  if (!lacks_distortion(left) || !lacks_distortion(right)) return;
+  const auto note = note_on_missing_distortion();
+  if (std::ranges::find(pair.notes, note) == pair.notes.end()) pair.notes.push_back(note);
+}
+
 /// Coefficients that are left out are 0.
 void complete_distortion(RawPair& pair) {
   constexpr std::size_t kAll = 5, kRadial = 2, kFewest = 4;
@@ -211,6 +239,7 @@ Rectifier rectifier_of(const RawPair& pair, const std::string& source, const Cal
 
 Calibration calibration_from_raw(RawPair pair, const CalibrationRequest& request, const std::string& source) {
   auto& raw = pair.stereo;
+  check_both_have_distortion(pair, source);
   complete_distortion(pair);
   check_raw_pair(pair, source);
   settle_size(pair, request, source);
@@ -284,6 +313,8 @@ std::array<double, 9> matrix_of(const NumberTable& table, const std::string& key
 std::vector<double> coefficients_of(const NumberTable& table, const std::string& prefix,
                                     std::initializer_list<const char*> names, std::size_t least) {
   std::vector<double> values, padding;
+  const bool has_any = std::ranges::any_of(names, [&](const char* name) { return table.has(prefix + name); });
+  if (!has_any) return {};
   for (const char* name : names) {
     padding.push_back(table.has(prefix + name) ? table.require_number(prefix + name) : 0.0);
     if (table.has(prefix + name)) values = padding;

@@ -55,6 +55,7 @@ std::array<double, 9> camera_matrix(double fx_px, double fy_px, double cx_px, do
 std::array<double, 9> matrix_of(const NumberTable& table, const std::string& key);
 
 /// Coefficients that files write one a key: `prefix` + "k1", ...; missing ones at the end are left out, others are 0.
+/// None where the file has none of them.
 /// @param least that there are, as lenses that are only radial may have k1 and k2 alone
 std::vector<double> coefficients_of(const NumberTable& table, const std::string& prefix,
                                     std::initializer_list<const char*> names, std::size_t least = 4);

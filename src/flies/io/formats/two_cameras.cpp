@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/distortion_names.hpp"
 #include "flies/io/formats/nesting.hpp"
 #include "flies/io/formats/opencv_names.hpp"
 #include "flies/io/formats/quantities.hpp"
@@ -44,26 +45,11 @@ Pose mrpt_pose(const NumberTable& table, const std::string& key, CalibrationNote
   return inverse(left_from_right);
 }
 
-/// The coefficients of a camera; none where it names none. RealSense writes five of every model.
-std::vector<double> distortion_at(const NumberTable& table, const std::string& prefix, Lens lens) {
-  constexpr std::size_t kOfFisheye = 4;
-  if (table.has(prefix + "k1"))
-    return lens == Lens::equidistant ? coefficients_of(table, prefix, {"k1", "k2", "k3", "k4"})
-                                     : coefficients_of(table, prefix, {"k1", "k2", "p1", "p2", "k3"});
-  for (const char* name : {"coeffs", "dist", "disto", "distortion", "distortion_coefficients", "D"}) {
-    if (!table.has(prefix + name)) continue;
-    std::vector<double> found = table.require(prefix + name);
-    if (lens == Lens::equidistant && found.size() == kOfFisheye + 1 && found.back() == 0.0) found.pop_back();
-    return found;
-  }
-  return {};
-}
-
+/// Without its coefficients.
 RawCamera camera_at(const NumberTable& table, const std::string& prefix, const char* column, const char* row,
                     Lens lens) {
   const auto number = [&](const std::string& name) { return table.require_number(prefix + name); };
-  return {camera_matrix(number("fx"), number("fy"), number(column), number(row)), distortion_at(table, prefix, lens),
-          lens};
+  return {camera_matrix(number("fx"), number("fy"), number(column), number(row)), {}, lens};
 }
 
 Calibration read_mrpt(const NumberTable& table, const CalibrationRequest& request) {
@@ -79,6 +65,8 @@ Calibration read_mrpt(const NumberTable& table, const CalibrationRequest& reques
                right.substr(0, right.size() - 1),
                pose,
                std::move(notes)};
+  pair.stereo.left.distortion = distortion_of(table, left, lens);
+  pair.stereo.right.distortion = distortion_of(table, right, lens);
   set_pose(pair.stereo, mrpt_pose(table, pose, pair.notes));
   return calibration_from_pair(std::move(pair), request, table.source);
 }
@@ -161,11 +149,15 @@ Pose stereo_transform(const NumberTable& table, const std::string& key, Calibrat
 }
 
 /// What the file says of rotation and translation; nothing when it does not.
-std::optional<FoundPose> pose_in(const NumberTable& table, CalibrationNotes& notes) {
-  if (table.has(kTranslation)) {
-    const auto& t = table.require(kTranslation, 3);
-    const Pose pose{transposed(matrix_of(table, "extrinsics.rotation")), {t[0], t[1], t[2]}};
-    return FoundPose{pose.translation[0] > 0.0 ? inverse(pose) : pose, kTranslation};  // else from right to left
+/// @param right what the keys of the right camera begin with
+std::optional<FoundPose> pose_in(const NumberTable& file, const std::string& right, CalibrationNotes& notes) {
+  const NumberTable table = with_listed_translation(file);
+  for (const auto& place : {std::string(), right}) {
+    if (!table.has(place + kTranslation)) continue;
+    const auto& t = table.require(place + kTranslation, 3);
+    const Pose pose{transposed(matrix_of(table, place + "extrinsics.rotation")), {t[0], t[1], t[2]}};
+    // Else from right to left.
+    return FoundPose{pose.translation[0] > 0.0 ? inverse(pose) : pose, place + kTranslation};
   }
   if (const auto key = key_of_stereo_transform(table)) return FoundPose{stereo_transform(table, *key, notes), *key};
   const OpenCvNames names = opencv_names(table);
@@ -178,9 +170,12 @@ std::optional<FoundPose> pose_in(const NumberTable& table, CalibrationNotes& not
   return in_metres({rotation_of(table, names.rotation, notes), {t[0], t[1], t[2]}}, names.translation);
 }
 
-Pose dumped_pose(const NumberTable& table, double fx_px, const CalibrationRequest& request, CalibrationNotes& notes) {
-  const auto pose = pose_in(table, notes);
-  const auto baseline = baseline_in(table, fx_px);
+/// @param beside what does not stand below the keys of the cameras
+/// @param right what those of the right one begin with
+Pose dumped_pose(const NumberTable& table, const NumberTable& beside, const std::string& right, double fx_px,
+                 const CalibrationRequest& request, CalibrationNotes& notes) {
+  const auto pose = pose_in(table, right, notes);
+  const auto baseline = baseline_in(beside, fx_px);
   const auto& t = pose ? pose->pose.translation : std::array<double, 3>{};
   if (pose && baseline && !request.baseline_m)
     check_same_length(*baseline, {pose->key, std::hypot(t[0], t[1], t[2])}, table.source);
@@ -190,6 +185,28 @@ Pose dumped_pose(const NumberTable& table, double fx_px, const CalibrationReques
     check_asked_baseline(*request.baseline_m, table.source);
   }
   return {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-(baseline ? baseline->value : *request.baseline_m), 0.0, 0.0}};
+}
+
+/// What stands before the key that fx stands below: "left." of "left.intrinsics.", and "" of "left.".
+std::string place_around(const std::string& camera) {
+  const auto dot = camera.rfind('.', camera.size() - 2);
+  return dot == std::string::npos ? "" : camera.substr(0, dot + 1);
+}
+
+/// The coefficients of a camera: beside fx; beside the key that fx stands below, if that is of this camera alone; or
+/// under OpenCV's names.
+/// @param cameras what the keys of left and right begin with
+std::vector<double> dumped_distortion(const NumberTable& table, const std::array<std::string, 2>& cameras,
+                                      std::size_t side, Lens lens) {
+  std::vector<std::string> places = {cameras[side]};
+  if (place_around(cameras[0]) != place_around(cameras[1])) places.push_back(place_around(cameras[side]));
+  for (const auto& place : places)
+    if (auto found = distortion_below(table, place, lens); !found.key.empty()) return found.coefficients;
+  const std::string key = opencv_names(table).distortions[side];
+  if (table.has(key)) return distortion_at(table, key, lens).coefficients;
+  for (const auto& place : places) check_no_distortion(table, place);
+  check_no_distortion(table, "");
+  return {};
 }
 
 /// Of the camera; or of both, beside them.
@@ -227,8 +244,10 @@ Calibration read_two_cameras(const NumberTable& whole, const CalibrationRequest&
                names.second,
                "extrinsics",
                std::move(notes)};
+  pair.stereo.left.distortion = dumped_distortion(table, {left, right}, 0, lens);
+  pair.stereo.right.distortion = dumped_distortion(table, {left, right}, 1, lens);
   const double fx_px = pair.stereo.left.matrix[0];
-  set_pose(pair.stereo, dumped_pose(beside, fx_px, request, pair.notes));
+  set_pose(pair.stereo, dumped_pose(table, beside, right, fx_px, request, pair.notes));
   if (cameras.names.size() > 2)
     pair.notes.push_back(note_on_others(cameras, pair, beside.has(kTranslation) && !baseline_in(beside, fx_px)));
   return calibration_from_pair(std::move(pair), request, table.source);

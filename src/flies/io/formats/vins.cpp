@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "flies/core/error.hpp"
+#include "flies/io/formats/distortion_names.hpp"
 #include "flies/io/formats/raw_pair.hpp"
 
 namespace flies::detail {
@@ -26,7 +27,7 @@ Lens lens_of_camodocal(const NumberTable& table) {
 }
 
 RawCamera read_camera(const NumberTable& table) {
-  const std::string projection = "projection_parameters.", distortion = "distortion_parameters.";
+  const std::string projection = "projection_parameters.";
   const auto matrix = [&](const char* fx, const char* fy, const char* cx, const char* cy) {
     return camera_matrix(table.require_number(projection + fx), table.require_number(projection + fy),
                          table.require_number(projection + cx), table.require_number(projection + cy));
@@ -42,15 +43,13 @@ RawCamera read_camera(const NumberTable& table) {
     case Lens::mei: {
       raw.matrix = matrix("gamma1", "gamma2", "u0", "v0");
       raw.distortion = {table.require_number("mirror_parameters.xi")};
-      const auto bent = coefficients_of(table, distortion, {"k1", "k2", "p1", "p2"});
+      const auto bent = distortion_of(table, "", raw.lens);
       raw.distortion.insert(raw.distortion.end(), bent.begin(), bent.end());
       return raw;
     }
     default:
       raw.matrix = matrix("fx", "fy", "cx", "cy");
-      raw.distortion = table.word("model_type") == "pinhole_full"
-                           ? coefficients_of(table, distortion, {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"})
-                           : coefficients_of(table, distortion, {"k1", "k2", "p1", "p2"});
+      raw.distortion = distortion_of(table, "", raw.lens);
       return raw;
   }
 }
