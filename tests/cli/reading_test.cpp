@@ -193,8 +193,6 @@ TEST_F(Reading, WordsThatDoNotFitAreRefused) {
   refused("track", {"both", "both", "--split", "side"}, "is not needed");
   refused("detect", {"left.png", "--split", "down"}, "expected none, side or top");
   refused("detect", {"left.png", "right.png", "--bayer", "rgbg"}, "expected rggb, bggr, grbg or gbrg");
-  write_text(folder.path() / "run.mcap", "not read");
-  refused("track", {"run.mcap", "--bayer", "rggb"}, "a recording itself says");
   refused("detect", {"both", "--split", "side", "--pair-by", "time"}, "is for two folders");
   refused("live", {"both", "--bayer", "rgbg"}, "expected rggb, bggr, grbg or gbrg");
 }

@@ -212,10 +212,12 @@ TEST(FoxgloveRecordings, OthersThatUseOurTopicsAreReadAsTheySay) {
   EXPECT_THAT(plain.err, ::testing::Not(HasSubstr("rectified first")));
   EXPECT_THAT(plain.err, ::testing::Not(HasSubstr("changes")));
 
-  json bent = of_left;
-  bent["D"] = {-0.3, 0.1, 0, 0, 0};
-  EXPECT_THAT(track({{"/left/calibration", bent}, {"/right/calibration", of_right}}).err,
+  json bent = of_left, also_bent = of_right;
+  bent["D"] = also_bent["D"] = {-0.3, 0.1, 0, 0, 0};
+  EXPECT_THAT(track({{"/left/calibration", bent}, {"/right/calibration", also_bent}}).err,
               HasSubstr("taken as raw and rectified first"));
+  EXPECT_THAT(track({{"/left/calibration", bent}, {"/right/calibration", of_right}}).err,
+              HasSubstr("/right/calibration K: has no distortion coefficients"));
   json ahead = of_left, behind = of_right;  // the same distance, from a place between the cameras
   const double shift = of_right["P"][3].get<double>();
   ahead["P"][3] = -0.5 * shift;

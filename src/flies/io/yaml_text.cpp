@@ -26,17 +26,14 @@ bool is_bare_number(const YAML::Node& node) {
 
 /// In `{baseline: 1,2}` YAML ends the entry at the comma, and takes the 2 as the key of another one without a value.
 /// Where no entry has a value, it is a set.
-/// @throws InputError when a number stands for an entry of its own, which is never meant
+/// @throws InputError when a number stands for an entry of its own behind one that is a number, which is never meant
 void check_no_decimal_comma(const YAML::Node& map, const std::string& source) {
   const bool is_set = std::all_of(map.begin(), map.end(), [](const auto& item) { return item.second.IsNull(); });
   if (map.Style() != YAML::EmitterStyle::Flow || is_set) return;
   std::string name, value;
   for (const auto& item : map) {
-    const bool is_part = is_bare_number(item.first) && item.second.IsNull();
     const std::string number = item.first.IsScalar() ? item.first.Scalar() : "";
-    if (is_part && value.empty())
-      throw InputError(source, number, "stands between commas without a name, expected NAME: NUMBER");
-    if (is_part)
+    if (!value.empty() && is_bare_number(item.first) && item.second.IsNull())
       throw InputError(
           source, name,
           fmt::format("found '{},{}', expected a decimal point: a decimal comma ends the entry", value, number));
