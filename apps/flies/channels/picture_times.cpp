@@ -184,3 +184,18 @@ std::vector<std::uint64_t> times_on_one_clock(const std::vector<PictureTimes>& p
   }
   return times_ns;
 }
+
+std::optional<std::vector<std::int64_t>> multiples_of_usual(const std::vector<std::uint64_t>& distances_ns) {
+  constexpr double kJitter = 0.3, kDrift = 0.01;
+  if (distances_ns.empty()) return std::nullopt;
+  std::vector<std::uint64_t> sorted_ns = distances_ns;
+  std::ranges::sort(sorted_ns);
+  const auto usual_ns = static_cast<double>(sorted_ns[(sorted_ns.size() - 1) / 2]);
+  std::vector<std::int64_t> steps;
+  for (const std::uint64_t distance_ns : distances_ns) {
+    const double times = static_cast<double>(distance_ns) / usual_ns, step = std::round(times);
+    if (step < 1.0 || std::abs(times - step) > std::max(kJitter, kDrift * step)) return std::nullopt;
+    steps.push_back(static_cast<std::int64_t>(step));
+  }
+  return steps;
+}

@@ -22,6 +22,9 @@ struct PictureTimes {
 /// the clock of the stamps, which the picture with a stamp that was recorded nearest tells.
 std::vector<std::uint64_t> times_on_one_clock(const std::vector<PictureTimes>& pictures);
 
+/// How many times the usual distance lies between neighbours; nothing where the distances are no multiples of it.
+std::optional<std::vector<std::int64_t>> multiples_of_usual(const std::vector<std::uint64_t>& distances_ns);
+
 /// The entry whose time is nearest; of two the later one. There is one.
 template <class ByTime>
 typename ByTime::const_iterator nearest(const ByTime& entries, std::uint64_t time_ns) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <utility>
@@ -37,22 +36,6 @@ bool is_picture_in_json(const flies::RecordedMessage& message) {
   if (message.encoding != "json") return false;
   if (!message.schema_name.empty()) return message.schema_name == "foxglove.CompressedImage";
   return message.topic == topic_of(Channel::left) || message.topic == topic_of(Channel::right);
-}
-
-/// How many times the usual distance lies between neighbours; nothing where the distances are no multiples of it.
-std::optional<std::vector<std::int64_t>> multiples(const std::vector<std::uint64_t>& distances_ns) {
-  constexpr double kJitter = 0.3, kDrift = 0.01;
-  if (distances_ns.empty()) return std::nullopt;
-  std::vector<std::uint64_t> sorted_ns = distances_ns;
-  std::ranges::sort(sorted_ns);
-  const auto usual_ns = static_cast<double>(sorted_ns[(sorted_ns.size() - 1) / 2]);
-  std::vector<std::int64_t> steps;
-  for (const std::uint64_t distance_ns : distances_ns) {
-    const double times = static_cast<double>(distance_ns) / usual_ns, step = std::round(times);
-    if (step < 1.0 || std::abs(times - step) > std::max(kJitter, kDrift * step)) return std::nullopt;
-    steps.push_back(static_cast<std::int64_t>(step));
-  }
-  return steps;
 }
 
 /// Whether a message in JSON says how a camera sees; some name no schema.
@@ -325,7 +308,7 @@ void Recording::note_stamps(const std::string& topic) {
 std::vector<std::int64_t> Recording::steps() const {
   std::vector<std::uint64_t> distances_ns;
   for (std::size_t i = 1; i < pairs_.size(); ++i) distances_ns.push_back(pairs_[i].time_ns - pairs_[i - 1].time_ns);
-  if (auto by_times = multiples(distances_ns)) return *std::move(by_times);
+  if (auto by_times = multiples_of_usual(distances_ns)) return *std::move(by_times);
   std::vector<std::int64_t> steps;
   for (std::size_t i = 1; i < pairs_.size(); ++i)
     steps.push_back(static_cast<std::int64_t>(std::max(pairs_[i].left_number - pairs_[i - 1].left_number,

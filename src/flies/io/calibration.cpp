@@ -19,53 +19,6 @@
 namespace flies {
 namespace {
 
-/// In order of recognition: the particular before the general.
-const std::array kFormats = {&detail::kPlainYaml,
-                             &detail::kMiddlebury,
-                             &detail::kKittiRaw,
-                             &detail::kKittiObject,
-                             &detail::kKalibr,
-                             &detail::kKittiOdometry,
-                             &detail::kStellaVslam,
-                             &detail::kOv2Slam,
-                             &detail::kOkvis,
-                             &detail::kMaplab,
-                             &detail::kKimera,
-                             &detail::kOrbSlam,
-                             &detail::kEuroc,
-                             &detail::kZed,
-                             &detail::kRealSense,
-                             &detail::kDepthAi,
-                             &detail::kBasalt,
-                             &detail::kMatlab,
-                             &detail::kStereodemo,
-                             &detail::kStixel,
-                             &detail::kCityscapes,
-                             &detail::kVins,
-                             &detail::kRosCameraInfo,
-                             &detail::kDsec,
-                             &detail::kBouguet,
-                             &detail::kArgoverse,
-                             &detail::kOpenCvStereo,
-                             &detail::kCameraMatrixText,
-                             &detail::kMrpt,
-                             &detail::kTwoCameras,
-                             &detail::kVirtualKitti,
-                             &detail::kFlat,
-                             &detail::kOpenCvExtrinsics};
-
-const detail::CalibrationFormat& recognise(const NumberTable& table) {
-  for (const auto* format : kFormats)
-    if (format->matches(table)) return *format;
-  std::string known;
-  for (const auto* format : kFormats) known += (known.empty() ? "" : ", ") + std::string(format->name);
-  throw InputError(
-      table.source, "format",
-      fmt::format("not recognised, expected one of: {}; for rectified images, seven lines of YAML are enough: fx: 700, "
-                  "fy: 700, cx: 320, cy: 240, baseline: 0.12 (metres), width: 640, height: 480",
-                  known));
-}
-
 constexpr double kProbableHeight_m = 20.0;
 
 /// What a height of that many metres may have been meant as.
@@ -391,7 +344,7 @@ Calibration load_calibration(const std::string& path, const CalibrationRequest& 
   if (request.images_are_resized && request.width_px <= 0)
     throw InputError(path, "image size", "of the resized images is not known: give it with --size W,H");
   const auto table = read_number_table(path);
-  const auto& format = recognise(table);
+  const auto& format = detail::recognised_format(table);
   if (request.cameras && !format.has_cameras)
     throw InputError(path, "cameras",
                      fmt::format("cannot be chosen: a file of the format {} has only two", format.name));

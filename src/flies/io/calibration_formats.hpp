@@ -24,6 +24,9 @@ extern const CalibrationFormat kKittiObject, kKittiRaw, kKittiOdometry, kMiddleb
     kCityscapes, kVins, kRealSense, kStellaVslam, kOkvis, kOv2Slam, kKimera, kFlat, kVirtualKitti, kMrpt, kTwoCameras,
     kDsec, kBouguet, kArgoverse, kOpenCvExtrinsics, kMaplab;
 
+/// The one whose keys a file has. @throws InputError that names all when it has those of none
+const CalibrationFormat& recognised_format(const NumberTable& table);
+
 /// A 3 x 4 projection matrix and where it was read.
 struct ProjectionKey {
   const NumberTable& table;

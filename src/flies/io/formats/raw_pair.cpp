@@ -184,8 +184,7 @@ std::string cause_in_body_poses(const RawPair& pair) {
   if (const Pose turned_round = chained(right, inverse(left)); is_side_by_side(turned_round))
     return fmt::format(
         "{}: the poses of both cameras seem to be the inverse ones: inverted, they put the cameras side by side, "
-        "{:.4g} "
-        "m apart",
+        "{:.4g} m apart",
         pair.pose_key, -turned_round.translation[0]);
   for (const bool is_left : {true, false}) {
     const Pose one = is_left ? scaled(left, 1e-3) : left, other = is_left ? right : scaled(right, 1e-3);
