@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <initializer_list>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+
+#include "flies/io/time_stamps.hpp"
 
 namespace {
 
@@ -89,70 +90,11 @@ std::optional<std::uint64_t> stamp_of_parts(const Json& stamp) {
   return *seconds * kSecond_ns + *rest_ns;
 }
 
-/// Takes a number of so many digits from the front of a text.
-std::optional<int> digits(std::string_view& text, std::size_t count) {
-  int number = 0;
-  if (text.size() < count || !std::all_of(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(count),
-                                          [](char c) { return c >= '0' && c <= '9'; }))
-    return std::nullopt;
-  std::from_chars(text.data(), text.data() + count, number);
-  text.remove_prefix(count);
-  return number;
-}
-
-bool take(std::string_view& text, std::string_view any_of) {
-  if (text.empty() || any_of.find(text.front()) == any_of.npos) return false;
-  text.remove_prefix(1);
-  return true;
-}
-
-/// The fraction of a second that a text begins with, if it begins with one.
-std::uint64_t fraction_ns(std::string_view& text) {
-  std::uint64_t rest_ns = 0;
-  if (!take(text, ".,")) return rest_ns;
-  for (std::uint64_t unit_ns = kSecond_ns / 10; !text.empty() && text.front() >= '0' && text.front() <= '9';
-       unit_ns /= 10) {
-    rest_ns += unit_ns * static_cast<std::uint64_t>(text.front() - '0');
-    text.remove_prefix(1);
-  }
-  return rest_ns;
-}
-
-/// How far the clock of a text is ahead of UTC, minutes: what it ends with, Z or +01:00.
-std::optional<int> offset_min(std::string_view text) {
-  if (text == "Z" || text == "z") return 0;
-  const bool is_behind = text.starts_with('-');
-  if (!take(text, "+-")) return std::nullopt;
-  const auto hours = digits(text, 2);
-  take(text, ":");
-  const auto minutes = digits(text, 2);
-  if (!hours || !minutes || !text.empty()) return std::nullopt;
-  return (is_behind ? -1 : 1) * (60 * *hours + *minutes);
-}
-
-/// RFC 3339: 2023-11-14T22:13:20.050Z
-std::optional<std::uint64_t> stamp_of_text(std::string_view text) {
-  const auto year = digits(text, 4);
-  take(text, "-");
-  const auto month = digits(text, 2);
-  take(text, "-");
-  const auto day = digits(text, 2);
-  take(text, "Tt ");
-  const auto hour = digits(text, 2);
-  take(text, ":");
-  const auto minute = digits(text, 2);
-  take(text, ":");
-  const auto second = digits(text, 2);
-  if (!year || !month || !day || !hour || !minute || !second) return std::nullopt;
-  const std::uint64_t rest_ns = fraction_ns(text);
-  const auto ahead_min = offset_min(text);
-  const std::chrono::year_month_day date{std::chrono::year(*year), std::chrono::month(static_cast<unsigned>(*month)),
-                                         std::chrono::day(static_cast<unsigned>(*day))};
-  if (!ahead_min || !date.ok()) return std::nullopt;
-  const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
-  const std::int64_t seconds = 60 * (60 * (24 * days + *hour) + *minute - *ahead_min) + *second;
-  if (seconds < 0) return std::nullopt;
-  return static_cast<std::uint64_t>(seconds) * kSecond_ns + rest_ns;
+std::optional<std::uint64_t> stamp_of_text(const std::string& text) {
+  const auto moment = flies::parse_date_and_time(text);
+  if (!moment || moment->whole_s < 0) return std::nullopt;
+  return static_cast<std::uint64_t>(moment->whole_s) * kSecond_ns +
+         static_cast<std::uint64_t>(std::llround(1e9 * moment->rest_s));
 }
 
 }  // namespace

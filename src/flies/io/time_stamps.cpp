@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -16,28 +17,21 @@
 namespace flies {
 namespace {
 
-/// Seconds and, apart from them, their fraction: a double since 1970 would round to a tenth of a microsecond.
-struct Moment {
-  std::int64_t whole_s = 0;
-  double fraction_s = 0.0;
-};
-
 constexpr std::size_t kMaxBytes = 64u << 20;  // two million times
 constexpr double kMost_s = 1e11;              // since 1970: in the year 5138
 
+/// How far a clock is ahead of UTC, minutes: "Z", "+01:00", or nothing, which is UTC.
+std::optional<int> parse_time_zone(const char* text) {
+  if (*text == '\0' || ((*text == 'Z' || *text == 'z') && text[1] == '\0')) return 0;
+  int hours = 0, minutes = 0, end = -1;
+  const bool is_offset = (*text == '+' || *text == '-') && std::isdigit(static_cast<unsigned char>(text[1])) != 0 &&
+                         std::sscanf(text + 1, "%2d:%2d%n", &hours, &minutes, &end) == 2 && text[1 + end] == '\0';
+  if (!is_offset || hours > 23 || minutes < 0 || minutes > 59) return std::nullopt;
+  return (*text == '-' ? -1 : 1) * (60 * hours + minutes);
+}
+
 std::optional<Moment> parse_moment(const std::string& text) {
-  int year = 0, month = 0, day = 0, hour = 0, minute = 0, end = -1;
-  if (std::sscanf(text.c_str(), "%4d-%2d-%2d %2d:%2d:%n", &year, &month, &day, &hour, &minute, &end) == 5 && end > 0) {
-    const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
-                                           std::chrono::day(static_cast<unsigned>(day))};
-    char* rest = nullptr;
-    const double second_s = std::strtod(text.c_str() + end, &rest);
-    if (!date.ok() || rest == text.c_str() + end || *rest != '\0' || hour < 0 || hour > 23 || minute < 0 ||
-        minute > 59 || !(second_s >= 0.0 && second_s < 61.0))
-      return std::nullopt;
-    const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
-    return Moment{((days * 24 + hour) * 60 + minute) * 60, second_s};
-  }
+  if (auto moment = parse_date_and_time(text)) return moment;
   char* rest = nullptr;
   const double seconds = std::strtod(text.c_str(), &rest);
   if (text.empty() || *rest != '\0' || !(std::abs(seconds) < kMost_s)) return std::nullopt;
@@ -56,6 +50,23 @@ std::string expectation(const std::string& line) {
 
 }  // namespace
 
+std::optional<Moment> parse_date_and_time(const std::string& text) {
+  int year = 0, month = 0, day = 0, hour = 0, minute = 0, end = -1;
+  if (std::sscanf(text.c_str(), "%4d-%2d-%2d%*1[Tt \t]%2d:%2d:%n", &year, &month, &day, &hour, &minute, &end) != 5 ||
+      end <= 0)
+    return std::nullopt;
+  const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
+                                         std::chrono::day(static_cast<unsigned>(day))};
+  char* rest = nullptr;
+  const double second_s = std::strtod(text.c_str() + end, &rest);
+  const auto ahead_min = parse_time_zone(rest);
+  if (!date.ok() || rest == text.c_str() + end || !ahead_min || hour < 0 || hour > 23 || minute < 0 || minute > 59 ||
+      !(second_s >= 0.0 && second_s < 61.0))
+    return std::nullopt;
+  const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
+  return Moment{((days * 24 + hour) * 60 + minute - *ahead_min) * 60, second_s};
+}
+
 std::vector<double> read_time_stamps(const std::string& path) {
   std::istringstream lines(plain_text(read_file(path, kMaxBytes)));
   std::vector<double> times_s;
@@ -71,8 +82,7 @@ std::vector<double> read_time_stamps(const std::string& path) {
     if (!moment)
       throw InputError(path, fmt::format("line {}", number), fmt::format("found '{}', {}", line, expectation(line)));
     if (!first) first = moment;
-    const double time_s =
-        static_cast<double>(moment->whole_s - first->whole_s) + moment->fraction_s - first->fraction_s;
+    const double time_s = static_cast<double>(moment->whole_s - first->whole_s) + moment->rest_s - first->rest_s;
     if (!times_s.empty() && !(time_s > times_s.back()))
       throw InputError(path, fmt::format("line {}", number), fmt::format("found '{}', expected a later time", line));
     times_s.push_back(time_s);

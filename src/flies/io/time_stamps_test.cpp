@@ -21,6 +21,21 @@ TEST(ReadTimeStamps, ReadsKittisAcrossMidnight) {
               ElementsAre(0.0, DoubleNear(0.100000001, 1e-12)));
 }
 
+TEST(ReadTimeStamps, ReadsRfc3339WithItsTimeZones) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(read_time_stamps(folder.write("t",
+                                            "2023-12-31T23:59:59.950Z\n2024-01-01T01:00:00.05+01:00\n"
+                                            "2023-12-31t19:30:00.15-04:30\n2024-01-01 00:00:00.25\n")),
+              ElementsAre(0.0, DoubleNear(0.1, 1e-12), DoubleNear(0.2, 1e-12), DoubleNear(0.3, 1e-12)));
+  const auto moment = parse_date_and_time("1970-01-02T00:00:01.5Z");
+  ASSERT_TRUE(moment);
+  EXPECT_EQ(moment->whole_s, 86400);
+  EXPECT_EQ(moment->rest_s, 1.5);
+  for (const char* text : {"2024-01-01T00:00:00+1", "2024-01-01T00:00:00+01:00x", "2024-01-01T00:00:00+01:60",
+                           "2024-01-01T00:00:00+-1:00", "2024-01-01x00:00:00", "2024-01-01T00:00:00 UTC"})
+    EXPECT_FALSE(parse_date_and_time(text)) << text;
+}
+
 TEST(ReadTimeStamps, ReadsSecondsAndKeepsTheirFraction) {
   const TemporaryFolder folder;
   EXPECT_THAT(read_time_stamps(folder.write("t", "1317042272.349659964\n1317042272.459792166\n")),
