@@ -73,6 +73,12 @@ Obstacle where_now(const Pedestrian& person, const PlanarMotion& moved) {
   return place;
 }
 
+/// Calls `run` without taking up, while it waits for its own loops, what was started beside it.
+template <class Run>
+auto undistracted(const Run& run) {
+  return tbb::this_task_arena::isolate(run);
+}
+
 }  // namespace
 
 /// Kept from pair to pair: workers that had to be called together anew would come late to a pair of some milliseconds.
@@ -149,11 +155,14 @@ std::optional<PlanarMotion> Detector::find_obstacles(const RectifiedPair& pair, 
   const bool scan_asks_flies = options_.scan.evidence.fly > 0.0;
   Meanwhile flies([&] {
     d.evolved = timed(d.stage_ms, Stage::evolve, [&] {
-      return evolver_.evolve(pair, projection_, road, field, options_.fitness, evolve, {options_.seed, frame_},
-                             last_obstacles_);
+      return undistracted([&] {
+        return evolver_.evolve(pair, projection_, road, field, options_.fitness, evolve, {options_.seed, frame_},
+                               last_obstacles_);
+      });
     });
     d.concentrate = timed(d.stage_ms, Stage::concentrate, [&] {
-      return concentrator_.concentrate(d.evolved.flies, projection_, road, field, options_.concentrate);
+      return undistracted(
+          [&] { return concentrator_.concentrate(d.evolved.flies, projection_, road, field, options_.concentrate); });
     });
     if (scan_asks_flies) look(d.evolved.flies);
   });
