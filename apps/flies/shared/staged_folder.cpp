@@ -104,9 +104,7 @@ void StagedFolder::commit() {
   check(error, folder_, "create a folder in it");
   std::vector<Move> moves;
   for (const auto& entry : entries_) {
-    if (flies::is_being_written((target_ / entry).string()))
-      throw flies::InputError((target_ / entry).string(), "",
-                              "another run is writing it, expected a folder of its own for each run");
+    flies::check_not_being_written((target_ / entry).string());
     moves.push_back({target_ / entry, part_ / kReplaced / entry});
     moves.push_back({part_ / entry, target_ / entry});
   }

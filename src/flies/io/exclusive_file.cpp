@@ -78,4 +78,8 @@ bool is_being_written(const std::string& path) noexcept {
   return shared.is_refused;
 }
 
+void check_not_being_written(const std::string& path) {
+  if (is_being_written(path)) fail_as_another_writes(path);
+}
+
 }  // namespace flies

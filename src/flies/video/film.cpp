@@ -29,8 +29,7 @@ Film::Film(const std::string& path, double rate_hz) : path_(path), rate_hz_(rate
   if (!fs::is_directory(folder, error)) throw InputError(path, "", "cannot be written: its folder does not exist");
   if (::access(folder.c_str(), W_OK) != 0)
     throw InputError(path, "", fmt::format("cannot be written: {}", std::strerror(errno)));
-  if (is_being_written(path))
-    throw InputError(path, "", "another run is writing it, expected a file of its own for each run");
+  check_not_being_written(path);
   part_path_ = path + ".part.mp4";
 }
 

@@ -17,13 +17,12 @@
 namespace flies::detail {
 namespace {
 
-constexpr std::string_view kOneByOne[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "s1", "s2", "s3", "s4"};
 /// OpenCV's order.
 constexpr std::array kBrown = {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4"};
 constexpr std::array kFisheye = {"k1", "k2", "k3", "k4"};
 constexpr std::string_view kRadial[] = {"radial", "radialdistortion", "radialcoefficients", "radialcoeffs"};
 
-bool is_one_of_several(std::string_view plain) { return std::ranges::find(kOneByOne, plain) != std::end(kOneByOne); }
+bool is_one_of_several(std::string_view plain) { return std::ranges::find(kBrown, plain) != kBrown.end(); }
 
 bool is_radial(std::string_view plain) { return std::ranges::find(kRadial, plain) != std::end(kRadial); }
 
