@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "flies/core/error.hpp"
+#include "flies/core/kernels/patch_products.hpp"
 #include "flies/core/quantile.hpp"
 
 namespace flies {
@@ -21,8 +22,8 @@ namespace {
 // All in pixels of the reduced images, which have about 600 columns.
 constexpr int kReducedWidth_px = 600;
 constexpr int kMinReducedHeight_px = 40;
-constexpr int kPatchWidth_px = 16;
-constexpr int kPatchHeight_px = 7;
+constexpr int kPatchWidth_px = kernels::kProductColumns;
+constexpr int kPatchHeight_px = kernels::kProductRows;
 constexpr int kPatchPixels = kPatchWidth_px * kPatchHeight_px;
 constexpr int kGridColumns = 20;
 constexpr int kGridRows = 8;
@@ -99,18 +100,25 @@ struct Band {
   bool is_textured(int u) const { return deviation[static_cast<std::size_t>(u)] >= kMinDeviation_gray * kPatchPixels; }
 };
 
-/// Zero-mean normalised cross-correlation of the patch at column `u` with the one at `u_other` in the other image.
-float correlation(const Band& band, int u, const Band& other, int u_other) {
-  std::int32_t product = 0;
-  for (int j = 0; j < kPatchHeight_px; ++j) {
-    const std::int16_t* a = band.pixels.data() + j * band.width_px + u;
-    const std::int16_t* b = other.pixels.data() + j * other.width_px + u_other;
-    for (int i = 0; i < kPatchWidth_px; ++i) product += a[i] * b[i];
+/// Zero-mean normalised cross-correlation of the patch at column `u` with those at so many columns of the other image,
+/// from `first_u` on.
+std::vector<float> correlations(const Band& band, int u, const Band& other, int first_u, std::size_t places) {
+  std::vector<std::int32_t> products(places);
+  kernels::patch_products({.patch = band.pixels.data() + u,
+                           .others = other.pixels.data() + first_u,
+                           .patch_stride = band.width_px,
+                           .others_stride = other.width_px,
+                           .places = static_cast<int>(places)},
+                          products.data());
+  const double sum = band.sum[static_cast<std::size_t>(u)], deviation = band.deviation[static_cast<std::size_t>(u)];
+  const float* other_sums = other.sum.data() + first_u;
+  const float* other_deviations = other.deviation.data() + first_u;
+  std::vector<float> scores(places);
+  for (std::size_t i = 0; i < places; ++i) {
+    const double covariance = double{kPatchPixels} * products[i] - sum * double{other_sums[i]};
+    scores[i] = static_cast<float>(covariance / (deviation * double{std::max(other_deviations[i], 1.0F)}));
   }
-  const auto at = static_cast<std::size_t>(u), at_other = static_cast<std::size_t>(u_other);
-  const double covariance = double{kPatchPixels} * product - double{band.sum[at]} * double{other.sum[at_other]};
-  const double deviations = double{band.deviation[at]} * double{std::max(other.deviation[at_other], 1.0F)};
-  return static_cast<float>(covariance / deviations);
+  return scores;
 }
 
 /// Where a patch was found along its row.
@@ -124,9 +132,7 @@ Match find_along_row(const Band& band, int u, const Band& other, int center_u, i
   const int first = std::max(0, center_u - reach);
   const int last = std::min(other.patches() - 1, center_u + reach);
   if (first > last || !band.is_textured(u)) return {};
-  std::vector<float> scores(static_cast<std::size_t>(last - first + 1));
-  for (int candidate = first; candidate <= last; ++candidate)
-    scores[static_cast<std::size_t>(candidate - first)] = correlation(band, u, other, candidate);
+  const auto scores = correlations(band, u, other, first, static_cast<std::size_t>(last - first + 1));
   const auto best = std::max_element(scores.begin(), scores.end());
   if (*best < kMinCorrelation) return {};
   const auto is_rival = [&](const float& score) {
