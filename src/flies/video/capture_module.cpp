@@ -105,8 +105,9 @@ cv::VideoCapture open_device(const flies::CaptureRequest& request) {
 cv::VideoCapture open_stream(const std::string& source) {
   if (source.find('!') == std::string::npos) return cv::VideoCapture(source, cv::CAP_FFMPEG);
   const bool has_sink = source.find("appsink") != std::string::npos;
-  return cv::VideoCapture(has_sink ? source : source + " ! videoconvert ! video/x-raw,format=BGR ! appsink",
-                          cv::CAP_GSTREAMER);
+  // A sink would else hold back every picture of a camera for 20 ms, so that other sinks may have theirs at that time.
+  const std::string sink = " ! videoconvert ! video/x-raw,format=BGR ! appsink processing-deadline=0";
+  return cv::VideoCapture(has_sink ? source : source + sink, cv::CAP_GSTREAMER);
 }
 
 /// With its other readers OpenCV would take `a0.png` for a series of pictures, and GStreamer has no end of words for
