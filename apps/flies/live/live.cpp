@@ -249,8 +249,7 @@ void add_source_options(CLI::App& command, LiveArguments& arguments) {
   command
       .add_option("--times", arguments.times,
                   "times of a folder's pairs, one per line: seconds, or date and time as in KITTI raw; default: by "
-                  "--rate, or else a "
-                  "drive's own times, or else those in the image names, or else 10 pairs per second")
+                  "--rate, or else a drive's own times, or else those in the image names, or else 10 pairs per second")
       ->type_name("FILE");
   command.add_flag("--loop", arguments.stream.is_looped, "start films and folders again when they end");
   command.add_flag("--every-pair", arguments.stream.is_patient,

@@ -62,8 +62,8 @@ void RunOutputs::add_view(const flies::WebServerRequest& request) {
 
 void RunOutputs::add_foxglove(const std::string& address, int port) {
   foxglove_.emplace(address, port);
-  // First of all, and in two threads: results do not wait for pictures to be encoded.
-  sinks_.insert(sinks_.begin(), &foxglove_queue_.emplace(*foxglove_, kMostForFoxglove, QueuedSink::Haste::is_awaited));
+  // First of all and in the thread that has them: results leave at once, and do not wait for pictures to be encoded.
+  sinks_.insert(sinks_.begin(), &*foxglove_);
   sinks_.push_back(&picture_queue_.emplace(foxglove_->pictures(), kMostForFoxglove, QueuedSink::Haste::can_wait));
   std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", flies::open_address(address).c_str(), foxglove_->port());
 }

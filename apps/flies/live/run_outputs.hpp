@@ -54,7 +54,7 @@ class RunOutputs {
   std::optional<TableSink> table_;
   std::optional<View> view_;
   std::optional<FoxgloveSink> foxglove_;
-  std::optional<QueuedSink> foxglove_queue_, picture_queue_;
+  std::optional<QueuedSink> picture_queue_;
   std::optional<RecordSink> record_;
   std::optional<QueuedSink> record_queue_;
   std::optional<FilmSink> film_;
