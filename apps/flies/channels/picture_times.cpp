@@ -16,6 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::uint64_t kSecond_ns = 1'000'000'000U;
+constexpr std::uint64_t kMost_s = 10'000'000'000U;  // beyond it nanoseconds leave 64 bits
 
 /// Behind the quotes that end the text that begins at `start`, or the end.
 std::size_t end_of_text(std::string_view json, std::size_t start) {
@@ -85,14 +86,15 @@ std::optional<std::uint64_t> part(const Json& stamp, std::initializer_list<const
 std::optional<std::uint64_t> stamp_of_parts(const Json& stamp) {
   const auto seconds = part(stamp, {"sec", "secs", "seconds"});
   const auto rest_ns = part(stamp, {"nsec", "nsecs", "nanosec", "nanos", "nanoseconds"});
-  constexpr std::uint64_t kMost_s = 10'000'000'000U;  // beyond it nanoseconds leave 64 bits
   if (!seconds || !rest_ns || *seconds > kMost_s || *rest_ns >= kSecond_ns) return std::nullopt;
   return *seconds * kSecond_ns + *rest_ns;
 }
 
 std::optional<std::uint64_t> stamp_of_text(const std::string& text) {
+  constexpr std::size_t kDate = 10;  // letters, behind which a sign is that of a time zone
   const auto moment = flies::parse_date_and_time(text);
-  if (!moment || moment->whole_s < 0) return std::nullopt;
+  if (!moment || text.find_last_of("Zz+-") < kDate) return std::nullopt;
+  if (moment->whole_s < 0 || static_cast<std::uint64_t>(moment->whole_s) > kMost_s) return std::nullopt;
   return static_cast<std::uint64_t>(moment->whole_s) * kSecond_ns +
          static_cast<std::uint64_t>(std::llround(1e9 * moment->rest_s));
 }

@@ -7,8 +7,8 @@
 
 namespace {
 
-constexpr std::size_t kMostForFoxglove = 2;  // pairs that wait to be sent: what is seen is to be new
-constexpr std::size_t kMostForRecord = 60;   // and to be written, recorded or filmed: two seconds at 30 Hz
+constexpr std::size_t kMostPicturesForFoxglove = 2;  // pairs that wait to be sent: what is seen is to be new
+constexpr std::size_t kMostForRecord = 60;           // and to be written, recorded or filmed: two seconds at 30 Hz
 
 }  // namespace
 
@@ -63,8 +63,10 @@ void RunOutputs::add_view(const flies::WebServerRequest& request) {
 void RunOutputs::add_foxglove(const std::string& address, int port) {
   foxglove_.emplace(address, port);
   // First of all and in the thread that has them: results leave at once, and do not wait for pictures to be encoded.
+  // The other outputs wait for the messages of these results to be made, a millisecond for what is mostly wanted.
   sinks_.insert(sinks_.begin(), &*foxglove_);
-  sinks_.push_back(&picture_queue_.emplace(foxglove_->pictures(), kMostForFoxglove, QueuedSink::Haste::can_wait));
+  sinks_.push_back(
+      &picture_queue_.emplace(foxglove_->pictures(), kMostPicturesForFoxglove, QueuedSink::Haste::can_wait));
   std::fprintf(stderr, "flies: Foxglove at ws://%s:%d\n", flies::open_address(address).c_str(), foxglove_->port());
 }
 

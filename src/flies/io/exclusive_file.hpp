@@ -22,7 +22,7 @@ int keep_from_writers(const std::string& path, const std::string& name);
 /// Whether a run that opened it by `open_exclusively` is writing the file.
 bool is_being_written(const std::string& path) noexcept;
 
-/// @throws InputError when one does
+/// @throws InputError when another run is writing the file
 void check_not_being_written(const std::string& path);
 
 }  // namespace flies

@@ -20,12 +20,15 @@ namespace {
 constexpr std::size_t kMaxBytes = 64u << 20;  // two million times
 constexpr double kMost_s = 1e11;              // since 1970: in the year 5138
 
-/// How far a clock is ahead of UTC, minutes: "Z", "+01:00", or nothing, which is UTC.
+/// How far a clock is ahead of UTC, minutes: "Z", "+01:00", "+0100", or nothing, which is UTC.
 std::optional<int> parse_time_zone(const char* text) {
   if (*text == '\0' || ((*text == 'Z' || *text == 'z') && text[1] == '\0')) return 0;
   int hours = 0, minutes = 0, end = -1;
+  const auto read = [&](const char* format) {
+    return std::sscanf(text + 1, format, &hours, &minutes, &end) == 2 && text[1 + end] == '\0';
+  };
   const bool is_offset = (*text == '+' || *text == '-') && std::isdigit(static_cast<unsigned char>(text[1])) != 0 &&
-                         std::sscanf(text + 1, "%2d:%2d%n", &hours, &minutes, &end) == 2 && text[1 + end] == '\0';
+                         (read("%2d:%2d%n") || read("%2d%2d%n"));
   if (!is_offset || hours > 23 || minutes < 0 || minutes > 59) return std::nullopt;
   return (*text == '-' ? -1 : 1) * (60 * hours + minutes);
 }
@@ -57,11 +60,15 @@ std::optional<Moment> parse_date_and_time(const std::string& text) {
     return std::nullopt;
   const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
                                          std::chrono::day(static_cast<unsigned>(day))};
+  const auto begin = static_cast<std::size_t>(end),
+             zone = std::min(text.find_first_not_of("0123456789.,", begin), text.size());
+  std::string seconds = text.substr(begin, zone - begin);
+  std::ranges::replace(seconds, ',', '.');
   char* rest = nullptr;
-  const double second_s = std::strtod(text.c_str() + end, &rest);
-  const auto ahead_min = parse_time_zone(rest);
-  if (!date.ok() || rest == text.c_str() + end || !ahead_min || hour < 0 || hour > 23 || minute < 0 || minute > 59 ||
-      !(second_s >= 0.0 && second_s < 61.0))
+  const double second_s = std::strtod(seconds.c_str(), &rest);
+  const auto ahead_min = parse_time_zone(text.c_str() + zone);
+  if (!date.ok() || seconds.empty() || *rest != '\0' || !ahead_min || hour < 0 || hour > 23 || minute < 0 ||
+      minute > 59 || !(second_s >= 0.0 && second_s < 61.0))
     return std::nullopt;
   const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
   return Moment{((days * 24 + hour) * 60 + minute - *ahead_min) * 60, second_s};

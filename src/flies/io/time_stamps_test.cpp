@@ -31,8 +31,14 @@ TEST(ReadTimeStamps, ReadsRfc3339WithItsTimeZones) {
   ASSERT_TRUE(moment);
   EXPECT_EQ(moment->whole_s, 86400);
   EXPECT_EQ(moment->rest_s, 1.5);
-  for (const char* text : {"2024-01-01T00:00:00+1", "2024-01-01T00:00:00+01:00x", "2024-01-01T00:00:00+01:60",
-                           "2024-01-01T00:00:00+-1:00", "2024-01-01x00:00:00", "2024-01-01T00:00:00 UTC"})
+  const auto ahead = parse_date_and_time("1970-01-02T01:30:01,5+0130");
+  ASSERT_TRUE(ahead);
+  EXPECT_EQ(ahead->whole_s, 86400);
+  EXPECT_EQ(ahead->rest_s, 1.5);
+  for (const char* text :
+       {"2024-01-01T00:00:00+1", "2024-01-01T00:00:00+01:00x", "2024-01-01T00:00:00+01:60", "2024-01-01T00:00:00+-1:00",
+        "2024-01-01x00:00:00", "2024-01-01T00:00:00 UTC", "2024-01-01T00:00:1e1Z", "2024-01-01T00:00:0x10",
+        "2024-01-01T00:00:", "2024-01-01T00:00: 1"})
     EXPECT_FALSE(parse_date_and_time(text)) << text;
 }
 

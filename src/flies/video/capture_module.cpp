@@ -105,7 +105,7 @@ cv::VideoCapture open_device(const flies::CaptureRequest& request) {
 cv::VideoCapture open_stream(const std::string& source) {
   if (source.find('!') == std::string::npos) return cv::VideoCapture(source, cv::CAP_FFMPEG);
   const bool has_sink = source.find("appsink") != std::string::npos;
-  // A sink would else hold back every picture of a camera for 20 ms, so that other sinks may have theirs at that time.
+  // GStreamer else allows 20 ms for processing, and a sink gives the pictures of a living source that much later.
   const std::string sink = " ! videoconvert ! video/x-raw,format=BGR ! appsink processing-deadline=0";
   return cv::VideoCapture(has_sink ? source : source + sink, cv::CAP_GSTREAMER);
 }

@@ -15,7 +15,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
 
-HWY_ATTR std::int32_t product_at(const PatchRow& row, int place) {
+HWY_INLINE std::int32_t product_at(const PatchRow& row, int place) {
   std::int32_t sum = 0;
   for (int j = 0; j < kProductRows; ++j)
     for (int i = 0; i < kProductColumns; ++i)
@@ -25,7 +25,7 @@ HWY_ATTR std::int32_t product_at(const PatchRow& row, int place) {
 
 #else
 
-HWY_ATTR std::int32_t product_at(const PatchRow& row, int place) {
+HWY_INLINE std::int32_t product_at(const PatchRow& row, int place) {
   const hn::CappedTag<std::int16_t, kProductColumns> d16;
   const hn::RepartitionToWide<decltype(d16)> d32;
   auto some = hn::Zero(d32), others = hn::Zero(d32);
