@@ -82,7 +82,7 @@ TEST_F(LiveOutputs, OtherCommandsDoNotReplaceAFileThatIsBeingWritten) {
         run_flies(folder.path(), {"detect", "left.png", "right.png", "--calib", "calib.txt", option, "out.jsonl"});
     EXPECT_EQ(result.status, 2) << option;
     EXPECT_EQ(lines(result.err).back(),
-              "flies: out.jsonl: another run is writing it, expected a file of its own for each run");
+              "flies: out.jsonl: another run is writing it, expected another place for each run");
   }
   ::close(other);
 }

@@ -8,7 +8,7 @@
 
 /// The stamp of a message of Foxglove in JSON, nanoseconds; 0 where it has none. Read as {"sec": 5, "nsec": 7}, under
 /// the names of ROS and protobuf (secs, seconds; nsecs, nanosec, nanos) and as numbers in quotes too, or as a text of
-/// RFC 3339. Only this member is read, for pictures are long.
+/// RFC 3339 with its time zone. Only this member is read, for pictures are long.
 /// @returns nothing where there is one in another form
 std::optional<std::uint64_t> json_stamp_ns(std::string_view message);
 

@@ -247,9 +247,10 @@ void add_source_options(CLI::App& command, LiveArguments& arguments) {
       ->check(in_range(0.01, 10000.0).description(""))
       ->type_name("HZ");
   command
-      .add_option("--times", arguments.times,
-                  "times of a folder's pairs, one per line: seconds, or date and time as in KITTI raw; default: by "
-                  "--rate, or else a drive's own times, or else those in the image names, or else 10 pairs per second")
+      .add_option(
+          "--times", arguments.times,
+          "times of a folder's pairs, one per line: seconds, or date and time (KITTI raw, RFC 3339); default: "
+          "by --rate, or else a drive's own times, or else those in the image names, or else 10 pairs per second")
       ->type_name("FILE");
   command.add_flag("--loop", arguments.stream.is_looped, "start films and folders again when they end");
   command.add_flag("--every-pair", arguments.stream.is_patient,

@@ -63,7 +63,7 @@ void RunOutputs::add_view(const flies::WebServerRequest& request) {
 void RunOutputs::add_foxglove(const std::string& address, int port) {
   foxglove_.emplace(address, port);
   // First of all and in the thread that has them: results leave at once, and do not wait for pictures to be encoded.
-  // The other outputs wait for the messages of these results to be made, a millisecond for what is mostly wanted.
+  // The other outputs wait for the messages of these results to be made.
   sinks_.insert(sinks_.begin(), &*foxglove_);
   sinks_.push_back(
       &picture_queue_.emplace(foxglove_->pictures(), kMostPicturesForFoxglove, QueuedSink::Haste::can_wait));

@@ -248,7 +248,7 @@ void setup_track(CLI::App& app) {
       ->type_name("HZ");
   command
       ->add_option("--times", arguments->sequence.times,
-                   "times of the pairs, one per line: seconds, or date and time as in KITTI raw")
+                   "times of the pairs, one per line: seconds, or date and time (KITTI raw, RFC 3339)")
       ->type_name("FILE");
   command
       ->add_option("--topics", arguments->sequence.topics,

@@ -18,7 +18,7 @@ namespace {
 }
 
 [[noreturn]] void fail_as_another_writes(const std::string& name) {
-  throw InputError(name, "", "another run is writing it, expected a file of its own for each run");
+  throw InputError(name, "", "another run is writing it, expected another place for each run");
 }
 
 /// What a run that replaces a file holds of it.

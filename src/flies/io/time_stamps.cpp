@@ -48,7 +48,7 @@ std::string expectation(const std::string& line) {
   const double number = std::strtod(line.c_str(), &rest);
   if (*rest == '\0' && std::isfinite(number) && number >= kMost_s)
     return "is it milliseconds (microseconds, nanoseconds) since 1970? expected seconds";
-  return "expected seconds or YYYY-MM-DD hh:mm:ss.fraction";
+  return "expected seconds, or date and time such as 2011-09-26 13:04:32.35 or 2011-09-26T13:04:32.35Z";
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ struct Moment {
 };
 
 /// Date and time as KITTI raw writes them ("2011-09-26 13:04:32.349659964") or as RFC 3339 has them
-/// ("2011-09-26T13:04:32.35+02:00", "2011-09-26T11:04:32.35Z"); without a time zone in UTC.
+/// ("2011-09-26T13:04:32.35+02:00", "2011-09-26T11:04:32.35Z"), also with a comma or without the colon of the time
+/// zone; without a time zone in UTC.
 /// @returns nothing for another text, or for what no calendar or clock shows
 std::optional<Moment> parse_date_and_time(const std::string& text);
 
